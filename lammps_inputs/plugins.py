@@ -8,7 +8,7 @@ Those of granchain itself are declared in its ``pyproject.toml`` like those of a
 - ``granchain.scenes``: any name = package in whose folder scenes stand as ``*.yaml``;
 - ``granchain.engines``: place in lists, and name = instance of `workflow.runs.engines.Engine`;
 - ``granchain.quantities``: place in the printed analysis, and name = class derived from
-  `workflow.measures.base.Measurement`;
+  `workflow.measures.measurement.Measurement`;
 - ``granchain.studies``: command = module with ``add_arguments``, ``execute`` and ``EXAMPLES``; also, where they apply,
   the literals ``JOB`` (its heading in ``granchain --help``) and ``PRINTS`` (it makes nothing but what it prints);
 - ``granchain.tools``: command that is no study of many runs = such a module;

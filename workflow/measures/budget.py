@@ -9,7 +9,7 @@ import numpy as np
 from analysis.conservation import Account, Conservation
 from analysis.quantity import declare, result
 from analysis.trajectory import Floats
-from workflow.measures.base import Measurement, Recorded
+from workflow.measures.measurement import Measurement, Recorded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -22,7 +22,7 @@ from analysis.trajectory import Floats, Integers, Trajectory, along_the_way, dir
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.unequal import Replacement
-from workflow.measures.base import MOST_CHAINS, Measurement, Meter, Recorded
+from workflow.measures.measurement import MOST_CHAINS, Measurement, Meter, Recorded
 
 SMALLEST_LOSS = 1e-8
 """Smallest share of the energy per cell that is printed; below it frames and time steps decide."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from analysis.contacts import LargestOverlap, shown_by_frames
 from analysis.sharing.survey import Survey
 from analysis.trajectory import Trajectory
-from workflow.measures.base import Measurement, Meter, Recorded
+from workflow.measures.measurement import Measurement, Meter, Recorded
 from workflow.runs.contacts import LargestContactForce, has_contacts, of_overlap
 
 

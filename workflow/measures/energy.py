@@ -11,7 +11,7 @@ from analysis.sharing.survey import Survey
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 from lammps_inputs.facts import Fact
-from workflow.measures.base import MOST_CHAINS, Measurement, Meter, Recorded
+from workflow.measures.measurement import MOST_CHAINS, Measurement, Meter, Recorded
 from workflow.screen import PrintedTable
 
 if TYPE_CHECKING:

@@ -25,7 +25,7 @@ from analysis.sharing.survey import Survey
 from analysis.trajectory import Floats, Integers, Trajectory, direction_of
 from lammps_inputs import Problem, System, physics
 from lammps_inputs.facts import Fact
-from workflow.measures.base import Measurement, Meter, Recorded
+from workflow.measures.measurement import Measurement, Meter, Recorded
 
 PART = 10
 """The far end is the last row in so many."""

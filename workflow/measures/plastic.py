@@ -12,7 +12,7 @@ from analysis.quantity import declare, result
 from analysis.sharing.survey import Survey
 from analysis.trajectory import Flags, Floats, Integers, Trajectory
 from lammps_inputs import laws, physics
-from workflow.measures.base import Measurement, Meter, Recorded
+from workflow.measures.measurement import Measurement, Meter, Recorded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

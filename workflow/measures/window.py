@@ -13,7 +13,7 @@ from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import Waves
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
-from workflow.measures.base import Measurement, Meter, Recorded
+from workflow.measures.measurement import Measurement, Meter, Recorded
 
 
 @result

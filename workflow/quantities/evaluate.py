@@ -21,7 +21,7 @@ from analysis.tracking.leading_waves import usual_arrival
 from analysis.trajectory import Floats, Trajectory, joined, watch
 from lammps_inputs import InputError, Problem, Scene, library, physics
 from lammps_inputs.numbers import known
-from workflow.measures.base import Measurement, Recorded
+from workflow.measures.measurement import Measurement, Recorded
 from workflow.prepare.duration import with_duration
 from workflow.quantities.columns import AT_THE_END, MASS, MEASURED, QUANTITIES, at_bead, kicked_chain
 from workflow.runs.engines import engine_called

@@ -24,7 +24,7 @@ from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.output import too_far_apart
 from workflow.formats import figure_files, in_any_format
-from workflow.measures.base import Measurement, Recorded
+from workflow.measures.measurement import Measurement, Recorded
 from workflow.measures.registry import MEASUREMENTS
 from workflow.runs.engines import engine_called
 from workflow.runs.exchange import accountant

@@ -10,7 +10,7 @@ from analysis.sharing.survey import Survey
 from analysis.tracking.pulses import CONSTANT_OVER
 from lammps_inputs import System, physics
 from lammps_inputs.facts import Fact
-from workflow.measures.base import MOST_CHAINS
+from workflow.measures.measurement import MOST_CHAINS
 from workflow.verdicts.analysis_report import train
 
 FEW = 4

@@ -9,7 +9,7 @@ from analysis.tracking.pulses import of_one_kind
 from analysis.trajectory import Integers, along_the_way
 from lammps_inputs import physics
 from lammps_inputs.facts import Fact
-from workflow.measures.base import MOST_CHAINS
+from workflow.measures.measurement import MOST_CHAINS
 from workflow.screen import PrintedTable
 
 MOST_BEADS = 7

@@ -13,10 +13,10 @@ from analysis.sharing.survey import Survey
 from analysis.trajectory import Trajectory
 from lammps_inputs import physics
 from lammps_inputs.facts import Fact
-from workflow.measures.base import MOST_CHAINS, Measurement, Meter, Recorded
 from workflow.measures.forces.force_meter import ForceMeter
 from workflow.measures.forces.readings import ForceTable, Reading, Readings
 from workflow.measures.forces.reflection import Reflection, reflections
+from workflow.measures.measurement import MOST_CHAINS, Measurement, Meter, Recorded
 from workflow.screen import PrintedTable
 
 if TYPE_CHECKING:

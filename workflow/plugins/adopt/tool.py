@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from granchain import InputError, Scene
-from granchain.parts import one_line, print_heading, strict_yaml, write_text
+from granchain.parts import screen, strict_yaml, write_text
 from workflow.plugins.adopt.adopt import RefusedDeckError, adopt
 
 LIMIT = 120.0
@@ -49,7 +49,7 @@ def refuse_output(file: Path) -> None:
 
 def write_scene(file: Path, deck: Path, scene: Scene) -> None:
     """Write the scene of a deck."""
-    head = f"# from the LAMMPS deck {one_line(deck.name)}\n"
+    head = f"# from the LAMMPS deck {screen.one_line(deck.name)}\n"
     write_text(file, head + strict_yaml.dump(scene.plain()))
 
 
@@ -83,16 +83,17 @@ def execute(arguments: argparse.Namespace) -> int:
             print(f"granchain: {line}", file=sys.stderr)
         return 2
     scene = adopted.scene
-    print_heading(scene.name, scene.units)
+    screen.print_heading(scene.name, scene.units)
     for line in _atoms(scene):
         print(line)
     for note in adopted.notes:
         print(f"note: {note}")
     part = "" if adopted.steps == adopted.of else f" of {adopted.of}"
+    deck = screen.one_line(arguments.deck)
     print(
-        f"over {adopted.steps}{part} steps velocities of the scene's deck and of {one_line(arguments.deck)} differ by "
-        f"at most {adopted.difference:.1e} V"
+        f"over {adopted.steps}{part} steps velocities of the scene's deck and of {deck} differ by at most "
+        f"{adopted.difference:.1e} V"
     )
     write_scene(file, arguments.deck, scene)
-    print(f"{one_line(file)}: a scene; `granchain run {one_line(file)} -o out` runs it")
+    print(f"{screen.one_line(file)}: a scene; `granchain run {screen.one_line(file)} -o out` runs it")
     return 0

@@ -3,7 +3,7 @@
 import argparse
 from importlib.metadata import version
 
-from granchain.parts import CommandResult, library, references
+from granchain.parts import library, references, screen
 from workflow.plugins.cite import software
 
 JOB = "Scenes"
@@ -18,15 +18,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--bibtex", action="store_true", help="print BibTeX entries only")
 
 
-def execute(arguments: argparse.Namespace) -> CommandResult:
+def execute(arguments: argparse.Namespace) -> screen.CommandResult:
     """Print software, engine, laws and schemes, each with its source."""
     cited = references.of_scene(library.find(arguments.scene))
     if arguments.bibtex:
         wanted = dict.fromkeys(key for keys in cited.values() for key in keys)
         print("\n".join([software.bibtex(version("granchain")), *(references.bibtex()[key] for key in wanted)]))
-        return CommandResult(0, cited)
+        return screen.CommandResult(0, cited)
     print(f"software: {software.in_a_line(version('granchain'))}")
     for subject, keys in cited.items():
         for key in keys:
             print(f"{subject}: {references.text(key)}")
-    return CommandResult(0, cited)
+    return screen.CommandResult(0, cited)

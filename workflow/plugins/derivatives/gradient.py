@@ -17,11 +17,11 @@ from granchain.parts import (
     Floats,
     RunDirectory,
     columns,
-    count_bar,
     csv_text,
     label,
     numbers,
-    record_files,
+    output_directory,
+    screen,
     units,
     write_text,
 )
@@ -77,7 +77,7 @@ def gradient(
         if reason := why_no_derivative(name):
             raise InputError(f"{source}: --gradient: {reason}")
     varied = VariedScene.of(plain, tuple(dict.fromkeys(quantities)), by, source)
-    with count_bar("derivatives") as count:
+    with screen.count_bar("derivatives") as count:
         motion = varied.motion(0)
         estimate = _Estimate.of(varied, motion)
         for halvings in range(1, HALVINGS + 1):
@@ -218,6 +218,6 @@ def with_derivatives(
         raise InputError(f"--gradient: {directory.path} is a run of rigid beads, which has no derivatives")
     derivatives = tuple(gradient(directory.scene.plain(), quantities, by, str(directory.path)))
     analysis = analyse()
-    record_files(directory.path, [GRADIENT])
+    output_directory.record_files(directory.path, [GRADIENT])
     write_text(directory.path / GRADIENT, csv_text([asdict(derivative) for derivative in derivatives]))
     return replace(analysis, tables=(*analysis.tables, GRADIENT), derivatives=derivatives)

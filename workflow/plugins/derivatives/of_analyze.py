@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Callable
 from dataclasses import asdict
 
-from granchain.parts import CommandResult, RunDirectory, analyze
+from granchain.parts import RunDirectory, analyze, screen
 from workflow.plugins.derivatives.derivative import HEAD
 from workflow.plugins.derivatives.gradient import with_derivatives
 
@@ -22,7 +22,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--by", metavar="FIELD,...", help="fields for --gradient (default all numbers of the scene)")
 
 
-def execute(arguments: argparse.Namespace, command: Callable[[argparse.Namespace], CommandResult]) -> CommandResult:
+def execute(
+    arguments: argparse.Namespace, command: Callable[[argparse.Namespace], screen.CommandResult]
+) -> screen.CommandResult:
     """Print derivatives with the analysis, and write gradient.csv, where they are asked for."""
     if arguments.gradient is None and arguments.by is None:
         return command(arguments)
@@ -32,4 +34,4 @@ def execute(arguments: argparse.Namespace, command: Callable[[argparse.Namespace
     analysis = with_derivatives(lambda: analyze.analysis_of(arguments), directory, quantities, by)
     lines = [derivative.cells() for derivative in analysis.derivatives]
     result = analyze.report(arguments, analysis, ("derivatives of quantities by fields", HEAD, lines))
-    return CommandResult(result.code, result.data | {"gradient": list(map(asdict, analysis.derivatives))})
+    return screen.CommandResult(result.code, result.data | {"gradient": list(map(asdict, analysis.derivatives))})

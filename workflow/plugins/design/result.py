@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from granchain.parts import RunDirectory, cell, html
+from granchain.parts import RunDirectory, html, screen
 from workflow.plugins.derivatives.derivative import Derivative
 from workflow.plugins.design.file import Design, Variable
 from workflow.plugins.design.search import Compute, DesignRecord, worth
@@ -166,12 +166,14 @@ class DesignResult:
         columns = {f"no. {place}": scene for place, scene in enumerate(self.verified, 1)}
         columns |= {} if self.beside is None else {SET_AGAINST: self.beside}
         scenes = list(columns.values())
-        rows = [[name(v.field), *(cell(scene.values.get(v.field)) for scene in scenes)] for v in design.variables]
+        rows = [
+            [name(v.field), *(screen.cell(scene.values.get(v.field)) for scene in scenes)] for v in design.variables
+        ]
         for quantity in design.names:
-            rows.append([name(quantity), *(cell(scene.reference[quantity]) for scene in scenes)])
-            differences = (cell(scene.difference(quantity), ".1e") for scene in scenes)
+            rows.append([name(quantity), *(screen.cell(scene.reference[quantity]) for scene in scenes)])
+            differences = (screen.cell(scene.difference(quantity), ".1e") for scene in scenes)
             rows.append([f"{quantity}: LAMMPS / reference - 1", *differences])
-        rows.append(["error of LAMMPS's velocities / V", *(cell(scene.error, ".1e") for scene in scenes)])
+        rows.append(["error of LAMMPS's velocities / V", *(screen.cell(scene.error, ".1e") for scene in scenes)])
         return ["", *columns], rows
 
     @property

@@ -25,7 +25,6 @@ from typing import Any
 from granchain import InputError
 from granchain.parts import (
     AnyDefinition,
-    CommandResult,
     Processes,
     Study,
     checked,
@@ -34,10 +33,8 @@ from granchain.parts import (
     fields,
     kept_run,
     library,
-    one_line,
     options,
-    print_files,
-    print_table,
+    screen,
     strict_yaml,
 )
 from workflow.plugins.derivatives.derivative import HEAD, Derivative
@@ -221,7 +218,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def execute(arguments: argparse.Namespace) -> CommandResult:
+def execute(arguments: argparse.Namespace) -> screen.CommandResult:
     """Search, verify, print the best; exit code 130 when interrupted, with all that was computed kept."""
     design = file.load(arguments.design)
     try:
@@ -229,7 +226,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     except KeyboardInterrupt:
         return options.interrupted()
     _print(result, arguments)
-    return CommandResult(0, result.plain())
+    return screen.CommandResult(0, result.plain())
 
 
 def words(arguments: argparse.Namespace) -> list[str]:
@@ -246,16 +243,16 @@ def words(arguments: argparse.Namespace) -> list[str]:
 def _print(result: DesignResult, arguments: argparse.Namespace) -> None:
     design = result.design
     how = "all there are" if design.exhaustive else "by evolution"
-    print_table(f"{one_line(arguments.design)}: {len(result.records)} designs, {how}", *result.table())
+    screen.print_table(f"{screen.one_line(arguments.design)}: {len(result.records)} designs, {how}", *result.table())
     if result.undefined:
         print(
             f"{result.undefined} designs do not count: {design.objective} or a quantity with a limit is undefined "
             "there (for one at the far end: its largest value is not reached within the duration)"
         )
     for warning in result.warnings:
-        print(f"warning: {one_line(warning)}")
+        print(f"warning: {screen.one_line(warning)}")
     print(result.tolerance)
     if result.derivatives:
-        print_table("derivatives at the best design", HEAD, [line.cells() for line in result.derivatives])
+        screen.print_table("derivatives at the best design", HEAD, [line.cells() for line in result.derivatives])
     print(f"each design took {result.seconds * 1e3:.3g} ms of processor time")
-    print_files(arguments.output, (PAGE, BEST, TABLE))
+    screen.print_files(arguments.output, (PAGE, BEST, TABLE))

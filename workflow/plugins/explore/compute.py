@@ -11,7 +11,7 @@ from granchain.parts import (
     leading_waves,
     numbers,
     settle,
-    shown_chains,
+    style,
     too_far_apart,
 )
 from workflow.plugins.pages.downsample import Thinned, thinned
@@ -67,7 +67,7 @@ def computed(scene: Scene) -> ComputedScene:
     halving = StepHalving(problem, velocity_only=True)
     blocks = list(halving.blocks())
     waves = Survey(problem, lambda: iter(blocks), leading_waves.usual_arrival(problem)).completed()
-    part = thinned(problem, blocks, shown_chains(problem), deforms=False)
+    part = thinned(problem, blocks, style.shown_chains(problem), deforms=False)
     return ComputedScene(problem, part, waves, halving.uncertainty.velocity)
 
 

@@ -13,17 +13,7 @@ from bokeh.layouts import column, row
 from bokeh.models import Button, CheckboxGroup, CustomJS, Div, Slider, TextInput
 
 from granchain import InputError, RunError, Scene
-from granchain.parts import (
-    analysis_lines,
-    fields,
-    html,
-    library,
-    numbers,
-    provenance,
-    references,
-    strict_yaml,
-    with_hints,
-)
+from granchain.parts import analysis_lines, fields, html, library, numbers, provenance, references, screen, strict_yaml
 from workflow.plugins.explore.compute import ComputedScene, computed
 from workflow.plugins.explore.picture import Picture
 from workflow.plugins.explore.scene_numbers import SWITCHED, SceneNumber, numbers_of, read, slider_range, written
@@ -235,7 +225,7 @@ class Tab:
             self._say("computing")
 
     def _compute(self, plain: dict[str, Any]) -> None:
-        with with_hints(lambda text: self._next(partial(self._say, text))):
+        with screen.with_hints(lambda text: self._next(partial(self._say, text))):
             computed_answer = answer(plain, self._source, lambda scene: self._next(partial(self._show_scene, scene)))
         self._next(partial(self._finish, computed_answer))
 

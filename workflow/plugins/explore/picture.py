@@ -7,7 +7,7 @@ from bokeh.events import Tap
 from bokeh.layouts import column, row
 from bokeh.models import ColumnDataSource, HoverTool, Range1d, Span
 
-from granchain.parts import Fact, Floats, RootScale, analyse
+from granchain.parts import Fact, Floats, analyse, spacetime
 from workflow.plugins.explore.compute import ComputedScene
 from workflow.plugins.pages import run_page
 from workflow.plugins.pages.downsample import Thinned, units_of
@@ -47,7 +47,7 @@ class Picture:
         self._units = units_of(problem, result.part)
         part = self._part = result.part.measured(self._units)
         self._images = [_image(part, place) for place in range(len(part.chains))]
-        self._limit = RootScale.of(problem, part.beads, part.velocity).limit
+        self._limit = spacetime.RootScale.of(problem, part.beads, part.velocity).limit
         self._symbols = _symbols(result)
         self._time_range = Range1d(*ends(part.time, part.every), bounds=ends(part.time, part.every))
         places = ends(part.places, part.spacing)
@@ -87,7 +87,7 @@ class Picture:
         """Show another result in the same plots; false where it needs others."""
         problem, units = result.problem, units_of(result.problem, result.part)
         part = result.part.measured(units)
-        limit = RootScale.of(problem, part.beads, part.velocity).limit
+        limit = spacetime.RootScale.of(problem, part.beads, part.velocity).limit
         same = (part.chains, part.beads.tolist(), _symbols(result), problem.whole, _has_pulse(result)) == (
             self._part.chains,
             self._part.beads.tolist(),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from granchain import InputError
-from granchain.parts import fields, registry, strict_yaml, text
+from granchain.parts import fields, numbers, registry, strict_yaml
 
 SWITCHED = (*registry.INGREDIENTS, "pattern", "replace", "taper", "disorder", "striker")
 """Keys of a scene that can be left out."""
@@ -87,7 +87,7 @@ def written(value: Any) -> str:
     if not isinstance(value, float):
         return str(value)
     short = f"{value:g}"
-    return min(short, text(value), key=len) if float(short) == value else text(value)
+    return min(short, numbers.text(value), key=len) if float(short) == value else numbers.text(value)
 
 
 def read(words: str, number: SceneNumber) -> Any:

@@ -13,7 +13,7 @@ from typing import Any, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from granchain.parts import Flags, Floats, Integers, Problem, Trajectory, one_line, radii, recording
+from granchain.parts import Flags, Floats, Integers, Problem, Trajectory, radii, recording, screen
 from workflow.plugins.export.registry import FORMATS
 from workflow.plugins.export.request import ExportRequest, Writers
 
@@ -223,7 +223,8 @@ def _vmd_head(atoms: DrawnAtoms, block: Trajectory) -> str:
     bonds = " ".join(f"{{{' '.join(map(str, ends))}}}" for ends in neighbours)
     segments = " ".join(f"C{n + 1}" if n < atoms.problem.chains else f"R{n + 1}" for n in atoms.line.tolist())
     name = "".join(
-        sign if sign.isascii() and (sign.isalnum() or sign in " -_.") else "_" for sign in one_line(atoms.problem.name)
+        sign if sign.isascii() and (sign.isalnum() or sign in " -_.") else "_"
+        for sign in screen.one_line(atoms.problem.name)
     )
     return f"""# granchain: {name}; open it by: vmd -e FILE
 # x in units of L; user and vx are the velocity in units of V; the variable time_of_frame holds times in units of T

@@ -18,22 +18,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from granchain import InputError
-from granchain.parts import (
-    AxisUnit,
-    Floats,
-    Integers,
-    Problem,
-    Trajectory,
-    count_bar,
-    direction_of,
-    hint,
-    radii,
-    shown_chains,
-    spacetime,
-    styled,
-    title,
-    watch,
-)
+from granchain.parts import Floats, Integers, Problem, Trajectory, direction_of, radii, screen, spacetime, style, watch
 from workflow.plugins.export.atoms import springs
 from workflow.plugins.export.registry import FORMATS
 from workflow.plugins.export.request import ExportRequest, Writers
@@ -118,7 +103,7 @@ def _pictures(request: ExportRequest, name: str) -> Iterator[Picture]:
     wanted = np.round(np.linspace(0, recorded - 1, count)).astype(int)
     stage = _Stage(problem, motion_map, radii(directory.scene.setting), options.pixels)
     started, done, read = perf_counter(), 0, 0
-    with count_bar(name) as progress:
+    with screen.count_bar(name) as progress:
         for block in directory.blocks():
             for place in wanted[(wanted >= read) & (wanted < read + block.frames)] - read:
                 yield stage.picture(block[int(place) : int(place) + 1])
@@ -126,7 +111,7 @@ def _pictures(request: ExportRequest, name: str) -> Iterator[Picture]:
                 progress(done, count)
                 if done == 5:
                     seconds = (perf_counter() - started) / done * count
-                    hint(f"{name}: {count} pictures, about {max(1, round(seconds))} s")
+                    screen.hint(f"{name}: {count} pictures, about {max(1, round(seconds))} s")
             read += block.frames
 
 
@@ -153,7 +138,7 @@ class _Stage:
 
     def __init__(self, problem: Problem, motion_map: spacetime.SpaceTime, relative_radii: Floats, pixels: int) -> None:
         self._problem = problem
-        self._chains = shown_chains(problem)
+        self._chains = style.shown_chains(problem)
         self._beads = problem.recorded_beads
         size = relative_radii[self._chains][:, self._beads - 1]
         self._widths = 0.95 * size / np.max(size)
@@ -163,15 +148,15 @@ class _Stage:
         self._canvas: Any = FigureCanvasAgg(self._figure)
         self._background = self._drawn_once()
 
-    @styled
-    def _laid_out(self, motion_map: spacetime.SpaceTime, pixels: int) -> tuple[Figure, _Drawn, AxisUnit]:
+    @style.styled
+    def _laid_out(self, motion_map: spacetime.SpaceTime, pixels: int) -> tuple[Figure, _Drawn, style.AxisUnit]:
         """Figure with the beads above the maps, and the unit of times."""
         sight = min(BEADS_IN_SIGHT, len(self._beads))
         rows, _ = spacetime.panels(self._problem, len(motion_map.chains))
         row_inches = INCHES / (sight + 1)
         above = max(1.0, row_inches * APART * len(self._chains) + 0.55)
         figure = Figure(figsize=(INCHES, 0.3 + above + 0.6 + 2.4 * rows), layout="constrained")
-        figure.suptitle(title(self._problem, each_chain=True, panels=True))
+        figure.suptitle(style.title(self._problem, each_chain=True, panels=True))
         subfigures: Any = figure.subfigures(2, 1, height_ratios=[above, 0.6 + 2.4 * rows])
         maps, time = spacetime.draw_maps(subfigures[1], motion_map)
         axis = subfigures[0].subplots()
@@ -205,7 +190,7 @@ class _Stage:
         figure.set_dpi(pixels / INCHES)
         return figure, _Drawn(axis, beads, springs_between, clock, cursors), time
 
-    @styled
+    @style.styled
     def _drawn_once(self) -> Any:
         """Picture of what does not change, after the figure has been laid out."""
         engine = self._figure.get_layout_engine()
@@ -225,7 +210,7 @@ class _Stage:
         column = round(place) - 1
         return str(self._beads[column]) if 0 <= column < len(self._beads) else ""
 
-    @styled
+    @style.styled
     def picture(self, frame: Trajectory) -> Picture:
         """Picture of one frame."""
         if self._problem.window is not None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from granchain import SweepTable
-from granchain.parts import RunDirectory, Trajectory, collect, count_bar, hint, measure
+from granchain.parts import RunDirectory, Trajectory, analyse, collect, screen
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -61,7 +61,7 @@ class ExportRequest:
     @cached_property
     def _measured(self) -> "tuple[dict[str, str], dict[str, Callable[[], Figure]]]":
         """Text of each table by the name of its file, and a function that draws each figure by its name."""
-        frames = measure(self.directory)
+        frames = analyse.measure(self.directory)
         return frames.tables, frames.figures
 
     @property
@@ -91,10 +91,10 @@ class ExportRequest:
         beads = problem.beads if problem.window is not None else problem.rows_a_frame
         expected = total * problem.chains * beads * bytes_of_bead
         if expected > LARGE:
-            hint(f"{name}: {total} frames of {problem.chains} x {beads} beads, {expected / 1e6:.0f} MB at most")
+            screen.hint(f"{name}: {total} frames of {problem.chains} x {beads} beads, {expected / 1e6:.0f} MB at most")
         frames = max(1, PIECE_BYTES // (16 * problem.chains * beads))
         done = 0
-        with count_bar(name) as progress:
+        with screen.count_bar(name) as progress:
             for block in self.directory.blocks_so_far(every):
                 for start in range(0, block.frames, frames):
                     yield (piece := block[start : start + frames])

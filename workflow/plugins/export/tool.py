@@ -11,7 +11,6 @@ from granchain import InputError
 from granchain.parts import (
     AnyRun,
     Between,
-    CommandResult,
     RunDirectory,
     checked,
     complaints,
@@ -20,9 +19,8 @@ from granchain.parts import (
     file_names,
     formats,
     labelled,
-    make_directory,
-    one_line,
-    record_files,
+    output_directory,
+    screen,
 )
 from workflow.plugins.export.registry import FORMATS
 from workflow.plugins.export.request import ExportRequest, Options, Writers
@@ -72,7 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def execute(arguments: argparse.Namespace) -> CommandResult:
+def execute(arguments: argparse.Namespace) -> screen.CommandResult:
     """Write the files; print them and their sizes."""
     options = Options(arguments.every, arguments.seconds, arguments.rate, arguments.pixels)
     with formats.written_as(("svg",), arguments.width):
@@ -86,8 +84,8 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     incomplete = _incomplete(arguments.directory)
     if incomplete:
         print(incomplete)
-    print(f"written: {', '.join(f'{one_line(path)} ({_size(path)})' for path in paths)}")
-    return CommandResult(0, [str(path) for path in paths])
+    print(f"written: {', '.join(f'{screen.one_line(path)} ({_size(path)})' for path in paths)}")
+    return screen.CommandResult(0, [str(path) for path in paths])
 
 
 class FilmOptions(TypedDict, total=False):
@@ -179,7 +177,7 @@ def write(
         made: Writers = getattr(importlib.import_module(f"workflow.plugins.export.{module}"), function)(request)
         files |= {name_of(file): write_file for file, write_file in made.items()}
     _reserve(folder, files, ours, overwrite)
-    make_directory(folder)
+    output_directory.make_directory(folder)
     for name, write_file in files.items():
         with complete(folder / name, directory=Path(name).suffix == _STORE) as temporary:
             write_file(temporary)
@@ -196,7 +194,7 @@ def _reserve(folder: Path, names: Iterable[str], ours: bool, overwrite: bool) ->
         InputError: a file stands there that is the user's.
     """
     if ours:
-        record_files(folder, names)
+        output_directory.record_files(folder, names)
         return
     for path in (folder / name for name in names):
         if not os.path.lexists(path):

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from granchain import InputError
-from granchain.parts import complaints, library, mpi, stability_bound, strict_yaml
+from granchain.parts import complaints, library, mpi, rates, strict_yaml
 
 Plain = dict[str, Any]
 
@@ -98,7 +98,7 @@ def _cell(axis: str, value: Any, entry: Plain) -> ReportRun:
     flags = {key: entries.pop(key) for key in ("ranks", "scaling", "drift", "force") if key in entries}
     scene = scaled(BASE, entries.pop("scaled")) if "scaled" in entries else BASE
     if "of_bound" in entries:
-        step = entries.pop("of_bound") * stability_bound(library.from_plain(BASE, "base").system)
+        step = entries.pop("of_bound") * rates.stability_bound(library.from_plain(BASE, "base").system)
         entries |= {"timestep": step, "output": {"every": step * max(1, round(0.1 / step))}}
     return ReportRun(axis, value if isinstance(value, str) else f"{value:g}", changed(scene, **entries), **flags)
 

@@ -24,16 +24,16 @@ from granchain.parts import (
     StepHalving,
     Study,
     computations,
-    declare,
     difference,
     engine,
     library,
     motion,
     paired,
     physics,
-    print_files,
+    quantity,
     result,
     run,
+    screen,
     validate,
 )
 from workflow.plugins.extremes.cells import PARTS, ReportRun, grid, refuse_unknown, scaled
@@ -109,19 +109,19 @@ LEAST_ERROR = 1e-8
 class RunOutcome:
     """Outcome of one cell of the report; errors are the largest of any velocity."""
 
-    axis: str = declare("quantity at an extreme", digits="")
-    value: str = declare("value of this quantity", digits="")
-    kind: str = declare("one of RIGHT, REPORTED, REFUSED, STOPPED, WRONG", digits="", head="ends")
-    why: str = declare("reason for the kind")
-    asked: float = declare("largest error that was requested", "V", digits=".1e")
-    error: float | None = declare(
+    axis: str = quantity.declare("quantity at an extreme", digits="")
+    value: str = quantity.declare("value of this quantity", digits="")
+    kind: str = quantity.declare("one of RIGHT, REPORTED, REFUSED, STOPPED, WRONG", digits="", head="ends")
+    why: str = quantity.declare("reason for the kind")
+    asked: float = quantity.declare("largest error that was requested", "V", digits=".1e")
+    error: float | None = quantity.declare(
         "error against a more accurate reference", "V", "no run was completed", digits=".1e", default=None
     )
-    uncertainty: float | None = declare("uncertainty of this error", "V", "no run was completed", default=None)
-    reported: float | None = declare(
+    uncertainty: float | None = quantity.declare("uncertainty of this error", "V", "no run was completed", default=None)
+    reported: float | None = quantity.declare(
         "error that the run reports", "V", "no run was completed", digits=".1e", default=None
     )
-    reported_uncertainty: float | None = declare(
+    reported_uncertainty: float | None = quantity.declare(
         "uncertainty of the reported error",
         "V",
         "no run was completed",
@@ -129,8 +129,8 @@ class RunOutcome:
         head="uncertainty",
         default=None,
     )
-    steps: int | None = declare("time steps", "", "no run was completed", digits=",d", default=None)
-    seconds: float = declare("time of the run and its comparison", "s", digits=".1f", default=0.0)
+    steps: int | None = quantity.declare("time steps", "", "no run was completed", digits=",d", default=None)
+    seconds: float = quantity.declare("time of the run and its comparison", "s", digits=".1f", default=0.0)
 
 
 def classify(accuracy: float, reported: LargestError, truth: LargestError) -> tuple[str, str]:
@@ -349,5 +349,5 @@ def execute(arguments: argparse.Namespace) -> int:
     counts = {kind: sum(outcome.kind == kind for outcome in outcomes) for kind in KINDS}
     print(f"{len(outcomes)} cells: " + ", ".join(f"{number} {kind}" for kind, number in counts.items()))
     if arguments.output is not None:
-        print_files(arguments.output, STUDY.files)
+        screen.print_files(arguments.output, STUDY.files)
     return 1 if counts["WRONG"] else 0

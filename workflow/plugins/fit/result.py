@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from granchain.parts import Flags, Floats, cell, fields, html, numbers
+from granchain.parts import Flags, Floats, fields, html, numbers, screen
 from workflow.plugins.fit.estimate import FitResult
 from workflow.plugins.fit.goodness import LEVEL, TESTS, Goodness, clipped, goodness, resolution
 from workflow.plugins.fit.model import Model, reversed_channels
@@ -37,7 +37,7 @@ class Field:
         if self.low is not None and self.high is not None and self.high > self.low:
             wide = max(abs(self.low), abs(self.high)) / (self.high - self.low)
             digits = min(17, max(digits, 2 + math.ceil(math.log10(wide))))
-        cells = (cell(number, f".{digits}g") for number in (self.value, self.low, self.high))
+        cells = (screen.cell(number, f".{digits}g") for number in (self.value, self.low, self.high))
         return [self.unit or "-", f"{self.start:.6g}", *cells]
 
 
@@ -65,7 +65,7 @@ class Residuals:
 
     def row(self) -> list[str]:
         """Cells of a table."""
-        tests = (cell(value, ".3g") for value in (self.chi_square, self.autocorrelation, self.runs))
+        tests = (screen.cell(value, ".3g") for value in (self.chi_square, self.autocorrelation, self.runs))
         return [self.unit, f"{self.noise:.3g}", f"{100.0 * self.over_largest:.3g}%", *tests]
 
 
@@ -124,7 +124,7 @@ class Fit:
         tables = [("fields", ["field", "unit", "start", "found", "95% from", "to"], _rows(self.free))]
         if (count := len(self.free)) > 1:
             lines = [
-                [name, *(cell(number, ".3f") for number in row[: k + 1]), *[""] * (count - k - 1)]
+                [name, *(screen.cell(number, ".3f") for number in row[: k + 1]), *[""] * (count - k - 1)]
                 for k, (name, row) in enumerate(zip(self.free, self.correlation, strict=True))
             ]
             tables.append(("correlation", ["", *map(str, range(1, count + 1))], lines))

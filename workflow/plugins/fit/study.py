@@ -23,7 +23,6 @@ from scipy.stats import qmc
 from granchain import InputError, load
 from granchain.parts import (
     AnyScene,
-    CommandResult,
     Floats,
     Study,
     channels,
@@ -31,11 +30,9 @@ from granchain.parts import (
     formats,
     installed_scenes,
     library,
-    one_line,
     options,
-    print_files,
-    print_table,
     run,
+    screen,
     source_of,
     strict_yaml,
 )
@@ -238,7 +235,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-lammps", action="store_true", help="do not run the fitted scene in LAMMPS")
 
 
-def execute(arguments: argparse.Namespace) -> CommandResult:
+def execute(arguments: argparse.Namespace) -> screen.CommandResult:
     """Fit and print the result; exit code 1 when the search did not converge or the test of fit rejects the model."""
     model = Model(
         library.find(arguments.scene).plain(),
@@ -250,7 +247,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     )
     result = carry_out(model, arguments.output, lammps=not arguments.no_lammps)
     _print(result, arguments)
-    return CommandResult(0 if result.converged and result.fits is not False else 1, result.plain())
+    return screen.CommandResult(0 if result.converged and result.fits is not False else 1, result.plain())
 
 
 def words(arguments: argparse.Namespace) -> list[str]:
@@ -274,12 +271,14 @@ def _print(result: Fit, arguments: argparse.Namespace) -> None:
     for note in result.notes():
         print(note)
     for title, head, rows in result.tables():
-        fitted = f"{one_line(arguments.scene)} fitted to {one_line(arguments.against)}: {result.rows} values"
-        print_table(fitted if title == "fields" else title, head, rows)
+        fitted = (
+            f"{screen.one_line(arguments.scene)} fitted to {screen.one_line(arguments.against)}: {result.rows} values"
+        )
+        screen.print_table(fitted if title == "fields" else title, head, rows)
     lammps = result.lammps
     if lammps.difference is not None:
         velocity = lammps.error_velocity
         error = "" if velocity is None else f", with an error of velocities of {velocity:.1e} V"
         print(f"traces of LAMMPS differ from the fitted ones by at most {lammps.difference:.2g} sigma{error}")
     files = (FITTED, REPORT, *STUDY.figure_files)
-    print_files(arguments.output, files)
+    screen.print_files(arguments.output, files)

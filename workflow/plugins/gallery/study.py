@@ -9,19 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from granchain import InputError
-from granchain.parts import (
-    CommandResult,
-    Study,
-    checked,
-    complaints,
-    computations,
-    count_bar,
-    html,
-    one_line,
-    print_files,
-    print_table,
-    record_files,
-)
+from granchain.parts import Study, checked, complaints, computations, html, output_directory, screen
 from workflow.plugins.gallery import statements
 from workflow.plugins.gallery.criteria import RULE
 from workflow.plugins.gallery.entries import ENTRIES, GROUPS
@@ -71,7 +59,7 @@ def gallery(directory: Path | str, names: Sequence[str] = ()) -> Sections:
         (['tapered'], '')
     """
     _chosen(names, "names")
-    with count_bar("gallery") as progress:
+    with screen.count_bar("gallery") as progress:
         return carry_out(Path(directory), names, progress=progress)
 
 
@@ -137,7 +125,7 @@ def run_entry(name: str, folder: str) -> None:
     runs = entry_folder / "runs"
     runs.mkdir(parents=True, exist_ok=True)
     files = statements.files_of(ENTRIES[name].build(runs))
-    record_files(entry_folder, files)
+    output_directory.record_files(entry_folder, files)
     STUDY.write(entry_folder, files)
 
 
@@ -161,22 +149,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     where.add_argument("--list", action="store_true", help="print the names of the entries, and run nothing")
 
 
-def execute(arguments: argparse.Namespace) -> CommandResult:
+def execute(arguments: argparse.Namespace) -> screen.CommandResult:
     """Print the names, or run entries, write the page and print the verdicts; exit code 1 if one could not be run."""
     if arguments.list:
         print("\n".join(ENTRIES))
-        return CommandResult(0, list(ENTRIES))
+        return screen.CommandResult(0, list(ENTRIES))
     directory = arguments.output
-    with count_bar("gallery") as progress:
+    with screen.count_bar("gallery") as progress:
         sections = carry_out(directory, arguments.entries, progress=progress)
     rows, plain = [], []
     for name, section in sections.items():
         counts = section.verdicts
         rows.append([name, *(str(count or "-") for count in counts.values()), "failed" if section.failed else ""])
         plain.append({"name": name, "title": section.title, **counts, "failed": section.failed or None})
-    print_table("statements", ["entry", *statements.VERDICTS, ""], rows)
+    screen.print_table("statements", ["entry", *statements.VERDICTS, ""], rows)
     for name, section in sections.items():
         if section.failed:
-            print(f"{name} failed: {one_line(section.failed)}")
-    print_files(directory, (PAGE,))
-    return CommandResult(int(any(section.failed for section in sections.values())), plain)
+            print(f"{name} failed: {screen.one_line(section.failed)}")
+    screen.print_files(directory, (PAGE,))
+    return screen.CommandResult(int(any(section.failed for section in sections.values())), plain)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from granchain import InputError
-from granchain.parts import Problem, case_decks, file_names, record_files, write_text
+from granchain.parts import Problem, case_decks, file_names, output_directory, write_text
 from workflow.plugins.jobs import job, job_files
 from workflow.plugins.jobs.ranks import with_ranks
 from workflow.plugins.jobs.registry import JOB_FILES, SCHEDULERS, SCRIPTS
@@ -63,7 +63,7 @@ def write_array(arguments: argparse.Namespace, options: JobOptions) -> WrittenSw
         place = {name: number for number, line in enumerate(lines) for name in line}
         tasks = [place[name] for name in decks.to_do]
         files = job.render_array(options, lines, name=small[0].name, tasks=tasks, directory=directory)
-        record_files(directory, (*files, job_files.OUTPUT), outdated=SCRIPTS)
+        output_directory.record_files(directory, (*files, job_files.OUTPUT), outdated=SCRIPTS)
         for name, text in files.items():
             write_text(directory / name, text)
     return WrittenSweep(len(decks.states), len(tasks), len(decks.under_way), options.ranks, len(lines))

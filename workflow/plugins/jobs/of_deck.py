@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Callable
 
 from granchain import Scene
-from granchain.parts import one_line, print_files, write
+from granchain.parts import screen, write
 from workflow.plugins.jobs.job import render_job
 from workflow.plugins.jobs.options import add_job_arguments, job_options
 from workflow.plugins.jobs.ranks import sentence, too_many, with_ranks
@@ -38,7 +38,7 @@ def execute(arguments: argparse.Namespace, command: Callable[[argparse.Namespace
     slower = too_many(problem, ranks)
     if slower:
         print(slower)
-    print_files(arguments.output, written.files)
-    directory = one_line(arguments.output)
+    screen.print_files(arguments.output, written.files)
+    directory = screen.one_line(arguments.output)
     print(f"`{options.of_scheduler.by_hand}` there submits the job; `granchain status {directory}` shows its state")
     return 0

@@ -9,13 +9,13 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from granchain.parts import CommandResult, make_directory, plugins, record_files, write_text
+from granchain.parts import output_directory, plugins, screen, write_text
 from workflow.plugins.jobs import job_files
 from workflow.plugins.jobs.job import render_command
 from workflow.plugins.jobs.options import add_job_arguments, job_options
 from workflow.plugins.jobs.registry import SCRIPTS
 
-Command = Callable[[argparse.Namespace], CommandResult]
+Command = Callable[[argparse.Namespace], screen.CommandResult]
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class StudyJob:
         """Add the options of a job."""
         add_job_arguments(parser)
 
-    def execute(self, arguments: argparse.Namespace, command: Command) -> CommandResult:
+    def execute(self, arguments: argparse.Namespace, command: Command) -> screen.CommandResult:
         """Write the command as a job on one node where one is asked for, and say how to submit it.
 
         Raises:
@@ -46,11 +46,11 @@ class StudyJob:
         name = f"granchain-{arguments.command}"
         text = render_command(options, name, words, cores=cores, jobs=jobs, directory=directory)
         scheduler = options.of_scheduler
-        make_directory(directory)
-        record_files(directory, (scheduler.script, job_files.OUTPUT), outdated=SCRIPTS)
+        output_directory.make_directory(directory)
+        output_directory.record_files(directory, (scheduler.script, job_files.OUTPUT), outdated=SCRIPTS)
         write_text(directory / scheduler.script, text)
         print(f"`{scheduler.by_hand}` in {directory} submits the job; {job_files.OUTPUT} holds its output")
-        return CommandResult(0, {"job": str(directory / scheduler.script)})
+        return screen.CommandResult(0, {"job": str(directory / scheduler.script)})
 
 
 DESIGN = StudyJob(("design design.yaml -o designed --slurm --jobs 64   # then there: sbatch job.sbatch",))

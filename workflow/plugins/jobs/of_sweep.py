@@ -3,7 +3,7 @@
 import argparse
 from collections.abc import Callable
 
-from granchain.parts import CommandResult
+from granchain.parts import screen
 from workflow.plugins.jobs.options import add_job_arguments, job_options
 
 EXAMPLES = ("sweep sweep.yaml -o swept --slurm --time 02:00:00   # then, there: sbatch job.sbatch",)
@@ -17,7 +17,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def execute(arguments: argparse.Namespace, command: Callable[[argparse.Namespace], CommandResult]) -> CommandResult:
+def execute(
+    arguments: argparse.Namespace, command: Callable[[argparse.Namespace], screen.CommandResult]
+) -> screen.CommandResult:
     """Write decks and the array where a job is asked for, in place of running the cases here."""
     options = job_options(arguments)
     if options is None:
@@ -37,4 +39,4 @@ def execute(arguments: argparse.Namespace, command: Callable[[argparse.Namespace
                 f"is often {scheduler.max_tasks}"
             )
     print(f"`granchain status {output}` shows the state, `granchain collect {output}` makes the table")
-    return CommandResult(0, {"cases": written.cases, "to_do": written.tasks, "under_way": written.under_way})
+    return screen.CommandResult(0, {"cases": written.cases, "to_do": written.tasks, "under_way": written.under_way})

@@ -26,16 +26,14 @@ import numpy as np
 from granchain import InputError
 from granchain.parts import (
     DEFAULT_ACCURACY,
-    CommandResult,
     Floats,
     Problem,
     Study,
     computations,
     library,
     options,
-    print_files,
-    print_heading,
     quantity,
+    screen,
     units,
 )
 from workflow.plugins.derivatives import tangent
@@ -385,14 +383,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_output(parser)
 
 
-def execute(arguments: argparse.Namespace) -> CommandResult:
+def execute(arguments: argparse.Namespace) -> screen.CommandResult:
     """Print the exponents; exit code 1 where runs differ in the largest, 130 when interrupted, with all runs kept."""
     name = arguments.scene
     scene = library.find(name)
     plain_scene = scene.plain()
     problem = tangent.problem_of(plain_scene, name)
     duration = duration_of(problem, arguments.exponents, arguments.duration)
-    print_heading(scene.name, scene.units)
+    screen.print_heading(scene.name, scene.units)
     print(f"four runs are computed, in about {seconds(problem, arguments.exponents, duration):.2g} s")
     try:
         spectrum = study(plain_scene, name, arguments.output, arguments.exponents, duration)
@@ -402,6 +400,6 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
         STUDY.print_records("exponents", Exponent, spectrum.exponents, problem.scale)
     for line in spectrum.sentences():
         print(line)
-    print_files(arguments.output, (TABLE, RUNS, CONVERGENCE, *STUDY.figure_files))
+    screen.print_files(arguments.output, (TABLE, RUNS, CONVERGENCE, *STUDY.figure_files))
     largest = spectrum.exponents[0]
-    return CommandResult(1 if largest.exponent is None and largest.bound is None else 0, spectrum.plain())
+    return screen.CommandResult(1 if largest.exponent is None and largest.bound is None else 0, spectrum.plain())

@@ -13,18 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granchain import InputError, Scene
-from granchain.parts import (
-    CommandResult,
-    Floats,
-    Problem,
-    Study,
-    computations,
-    deck,
-    options,
-    print_files,
-    print_heading,
-    units,
-)
+from granchain.parts import Floats, Problem, Study, computations, deck, options, screen, units
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes import driven
 from workflow.plugins.modes.linear import MOST_FREE
@@ -228,11 +217,11 @@ def requested(arguments: argparse.Namespace, problem: Problem) -> ResponseReques
     return ResponseRequest((low, high), arguments.points or POINTS, arguments.bead, steps)
 
 
-def execute(arguments: argparse.Namespace, scene: Scene, request: ResponseRequest) -> CommandResult:
+def execute(arguments: argparse.Namespace, scene: Scene, request: ResponseRequest) -> screen.CommandResult:
     """Print the responses; exit code 1 where there are none, 130 when interrupted."""
     plain_scene, name = scene.plain(), arguments.scene
     refuse_unusable(tangent.problem_of(plain_scene, name), name, request)
-    print_heading(scene.name, scene.units)
+    screen.print_heading(scene.name, scene.units)
     try:
         curve = study(plain_scene, name, arguments.output, request)
     except KeyboardInterrupt:
@@ -248,5 +237,5 @@ def execute(arguments: argparse.Namespace, scene: Scene, request: ResponseReques
     if request.steps and (why := deck.refusal(curve.problem.system)):
         print(f"LAMMPS is not started: {why}")
     figures = STUDY.figure_files if curve.data["states"] else ()
-    print_files(arguments.output, (*TABLES, *figures))
-    return CommandResult(0 if curve.data["states"] else 1, curve.plain())
+    screen.print_files(arguments.output, (*TABLES, *figures))
+    return screen.CommandResult(0 if curve.data["states"] else 1, curve.plain())

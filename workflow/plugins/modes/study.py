@@ -34,19 +34,7 @@ from typing import Any
 import numpy as np
 
 from granchain import InputError
-from granchain.parts import (
-    CommandResult,
-    Problem,
-    Study,
-    computations,
-    deck,
-    library,
-    options,
-    physics,
-    print_files,
-    print_heading,
-    write_text,
-)
+from granchain.parts import Problem, Study, computations, deck, library, options, physics, screen, write_text
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes import lammps_check, response_study
 from workflow.plugins.modes.drawing import FIGURES, figures
@@ -357,7 +345,7 @@ def requested(arguments: argparse.Namespace, problem: Problem, linear: LinearMod
     return ModesRequest(modes, energy, points, energies, limit)
 
 
-def execute(arguments: argparse.Namespace) -> CommandResult:
+def execute(arguments: argparse.Namespace) -> screen.CommandResult:
     """Print the branches; exit code 1 where a mode has none, 130 when interrupted, with all computed branches kept."""
     name = arguments.scene
     scene = library.find(name)
@@ -368,7 +356,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
         return response_study.execute(arguments, scene, request_of_responses)
     linear = modes_of(problem, name, linear_only=arguments.linear)
     request = requested(arguments, problem, linear)
-    print_heading(scene.name, scene.units)
+    screen.print_heading(scene.name, scene.units)
     try:
         computed = study(plain_scene, name, arguments.output, request)
     except KeyboardInterrupt:
@@ -376,8 +364,8 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     _print(computed, request)
     figures = STUDY.figure_files if any(branch.states for branch in computed.branches) else ()
     names = [name for name in (*STUDY.tables, ARRAYS, DECKS) if (arguments.output / name).exists()]
-    print_files(arguments.output, (*names, *figures))
-    return CommandResult(0 if all(branch.states for branch in computed.branches) else 1, computed.plain())
+    screen.print_files(arguments.output, (*names, *figures))
+    return screen.CommandResult(0 if all(branch.states for branch in computed.branches) else 1, computed.plain())
 
 
 def _print(computed: ModesResult, request: ModesRequest) -> None:

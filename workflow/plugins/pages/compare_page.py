@@ -9,7 +9,7 @@ from bokeh.events import Tap
 from bokeh.layouts import column, gridplot, row
 from bokeh.models import ColorBar, ColumnDataSource, CustomJS, HoverTool, Range1d, Span
 
-from granchain.parts import Problem, RootScale, Trajectory
+from granchain.parts import Problem, Trajectory, spacetime
 from workflow.plugins.pages.downsample import MOST_NUMBERS, Thinned, thinned, units_of
 from workflow.plugins.pages.plots import (
     LINE_WIDTH,
@@ -123,7 +123,7 @@ def layout(problem: Problem, runs: ComparedRuns, names: tuple[str, str], shown_b
     """
     units, difference_units = units_of(problem, runs.first), units_of(problem, runs.difference)
     limit = float(np.nanmax(np.abs(runs.difference.velocity), initial=0.0)) * difference_units["velocity"].worth
-    scale = RootScale(float(np.nanmax(np.abs(runs.first.velocity), initial=0.0)))
+    scale = spacetime.RootScale(float(np.nanmax(np.abs(runs.first.velocity), initial=0.0)))
     first, second = (part.measured(units) for part in (runs.first, runs.second))
     difference_units |= {"time": units["time"]}
     difference = runs.difference.measured(difference_units)

@@ -4,15 +4,7 @@ import math
 
 import numpy as np
 
-from granchain.parts import (
-    PrintedTable,
-    RunDirectory,
-    engine_called,
-    table_of,
-    validate,
-    validate_run,
-    validation_tables,
-)
+from granchain.parts import RunDirectory, engine_called, screen, table_of, validate, validate_run, validation_tables
 
 # --- sentences --------------------------------------------------------------------------------------------------------
 
@@ -45,7 +37,7 @@ def _of_other_scenes(runs: tuple[RunDirectory, ...]) -> bool:
 # --- tables -----------------------------------------------------------------------------------------------------------
 
 
-def setting_table(runs: tuple[RunDirectory, ...], comparison: validate.Validation) -> PrintedTable | None:
+def setting_table(runs: tuple[RunDirectory, ...], comparison: validate.Validation) -> screen.PrintedTable | None:
     """Fields of the scenes, settings and versions that differ between two runs; None where nothing does."""
     if comparison.runs is None:
         return None
@@ -54,7 +46,7 @@ def setting_table(runs: tuple[RunDirectory, ...], comparison: validate.Validatio
     )
 
 
-def compared_tables(runs: tuple[RunDirectory, ...], comparison: validate.Validation) -> list[PrintedTable]:
+def compared_tables(runs: tuple[RunDirectory, ...], comparison: validate.Validation) -> list[screen.PrintedTable]:
     """Tables of the differences of the motion, and of the quantities of both runs."""
     tables = [
         validation_tables.deviation_table(comparison, judged=not _of_other_scenes(runs)),
@@ -64,7 +56,7 @@ def compared_tables(runs: tuple[RunDirectory, ...], comparison: validate.Validat
     return [table for table in tables if table is not None]
 
 
-def quantity_table(first: RunDirectory, second: RunDirectory) -> PrintedTable | None:
+def quantity_table(first: RunDirectory, second: RunDirectory) -> screen.PrintedTable | None:
     """Quantities of two runs as `granchain collect` gathers them, with their uncertainties, and the differences.
 
     The uncertainty of a difference is the sum of both. None where neither run could be analysed.
@@ -85,7 +77,7 @@ def quantity_table(first: RunDirectory, second: RunDirectory) -> PrintedTable | 
         difference = written(values[0] - values[1], sum(errors), digits=4)
         lines.append([table.label(name).plain, *cells, difference])
     lines += [["state", *(str(row["state"] or "-") for row in table.rows), ""]]
-    return PrintedTable("quantities of both runs", ["quantity", "A", "B", "A minus B"], lines)
+    return screen.PrintedTable("quantities of both runs", ["quantity", "A", "B", "A minus B"], lines)
 
 
 def written(value: float, uncertainty: float, digits: int = 7) -> str:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from granchain.parts import Fact, Floats, Integers, Problem, RootScale, Trajectory, motion
+from granchain.parts import Fact, Floats, Integers, Problem, Trajectory, motion, spacetime
 from workflow.plugins.pages.units import PageUnit, Units, page_unit
 
 MOST_BEADS = 500
@@ -198,7 +198,7 @@ def units_of(problem: Problem, part: Thinned) -> Units:
     """
     largest = {
         "time": float(part.time[-1]),
-        "velocity": RootScale.of(problem, part.beads, part.velocity).limit,
+        "velocity": spacetime.RootScale.of(problem, part.beads, part.velocity).limit,
         "length": _size(part.displacement),
         "force": _size(part.force),
         "energy": _size(part.energy),

@@ -8,7 +8,7 @@ import numpy as np
 from bokeh.layouts import row
 from bokeh.models import ColorBar, CustomJS, LinearColorMapper, SaveTool, Toolbar
 
-from granchain.parts import Floats, Problem, RootScale
+from granchain.parts import Floats, Problem, spacetime
 from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.plots import MAPPED, choice, label_of, lists, map_palette, shown_quantities
 from workflow.plugins.pages.save_data import tool_of_maps
@@ -100,7 +100,7 @@ def map_choice(
 def _scaled(problem: Problem, part: Thinned, name: str) -> dict[str, Any]:
     """Largest value, whether there are negative ones, and ticks of each scale, of a quantity on the maps."""
     values = getattr(part, name)
-    colours = RootScale.of(problem, part.beads, values)
+    colours = spacetime.RootScale.of(problem, part.beads, values)
     signed = name == "velocity" or float(np.nanmin(values)) < -colours.least
     return {
         "limit": colours.limit,
@@ -112,7 +112,7 @@ def _scaled(problem: Problem, part: Thinned, name: str) -> dict[str, Any]:
 def _ticks(scale: str, limit: float, *, signed: bool) -> list[float]:
     """Round numbers up to a limit, about evenly spaced in a scale; also negative ones where there are such."""
     if scale == ROOT:
-        positive = [tick for tick in RootScale(limit).ticks if tick > 0.0]
+        positive = [tick for tick in spacetime.RootScale(limit).ticks if tick > 0.0]
     elif scale == "log":
         top = math.floor(math.log10(limit))
         positive = [10.0 ** (top - decade) for decade in range(round(-math.log10(_LEAST)))]

@@ -15,7 +15,7 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
-from granchain.parts import Floats, Problem, RootScale
+from granchain.parts import Floats, Problem, spacetime
 from workflow.plugins.pages.attached import draw_resonators, draw_walls
 from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.plots import chain_name, label, label_of, lists, name_places, number
@@ -100,7 +100,7 @@ def moving_beads(
     sources = _drawn(problem, plot, part, colours, units)
     exaggerated = _EXAGGERATED * part.spacing / units["length"].worth
     slider, bar = time_bar(part, units["time"])
-    least = RootScale(colours.high).least / units["velocity"].worth * units["force"].worth
+    least = spacetime.RootScale(colours.high).least / units["velocity"].worth * units["force"].worth
     strongest = float(np.nanmax(part.force, initial=0.0))
     move = CustomJS(
         args={

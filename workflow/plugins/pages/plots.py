@@ -24,22 +24,20 @@ from bokeh.models import (
 from bokeh.plotting import figure
 from matplotlib.colors import to_hex
 
-from granchain.parts import CHAIN_COLOURS as ON_PAPER
-from granchain.parts import CHAIN_DASHES as DASHES_ON_PAPER
-from granchain.parts import Floats, Problem, RootScale, panels
+from granchain.parts import Floats, Problem, spacetime, style
 from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.units import PageUnit, Units, axis_label
 
 _SEEN_ON_DARK = {"#000000": "#44aa99", "#882255": "#aa4499"}
 """Teal and purple (Tol) for black and wine, which are hard to see in dark mode."""
 
-CHAIN_COLOURS = tuple(_SEEN_ON_DARK.get(colour, colour) for colour in ON_PAPER)
+CHAIN_COLOURS = tuple(_SEEN_ON_DARK.get(colour, colour) for colour in style.CHAIN_COLOURS)
 """Colours of the figures, of those that are seen in both themes."""
 
 LINE_WIDTH = 1.5
 
 CHAIN_DASHES = tuple(
-    [round(LINE_WIDTH * length) for length in dash[1]] if isinstance(dash, tuple) else [] for dash in DASHES_ON_PAPER
+    [round(LINE_WIDTH * length) for length in dash[1]] if isinstance(dash, tuple) else [] for dash in style.CHAIN_DASHES
 )
 """Dashes of the figures, in pixels; an empty list is a solid line."""
 
@@ -271,7 +269,7 @@ def maps_of(
         units: of the page.
         ranges: of beads and of time, shared by all maps.
     """
-    rows, across = panels(problem, len(part.chains))
+    rows, across = spacetime.panels(problem, len(part.chains))
     now = [Span(name=NOW, dimension="width", location=part.time[0], **look_of_line) for look_of_line in _NOW]
     hover = _hover(part, units)
     maps: list[list[Any]] = [[] for _ in range(rows)]
@@ -315,15 +313,17 @@ def _hover(part: Thinned, units: Units) -> dict[str, Any]:
 def root_colours(limit: float) -> LinearColorMapper:
     """Those of the figures: diverging from 0, along the signed square root of the velocity."""
     share = np.linspace(-1.0, 1.0, 1025)
-    return LinearColorMapper(palette=_palette(RootScale.root(share)), low=-limit, high=limit, nan_color="#999999")
+    return LinearColorMapper(
+        palette=_palette(spacetime.RootScale.root(share)), low=-limit, high=limit, nan_color="#999999"
+    )
 
 
-def _palette(share: Floats, name: str = RootScale.PALETTE) -> list[str]:
+def _palette(share: Floats, name: str = spacetime.RootScale.PALETTE) -> list[str]:
     """Colours of a palette of matplotlib at shares of its scale, from -1 to 1."""
     return [to_hex(colour) for colour in mpl.colormaps[name](0.5 + 0.5 * share)]
 
 
-def map_palette(name: str = RootScale.PALETTE) -> list[str]:
+def map_palette(name: str = spacetime.RootScale.PALETTE) -> list[str]:
     """Colours of a palette of matplotlib from its one end to the other, by default that of velocities."""
     return _palette(np.linspace(-1.0, 1.0, 257), name)
 
@@ -332,7 +332,10 @@ def _bar(colours: LinearColorMapper, title: str) -> ColorBar:
     """The bar of those colours: even along the root, with round numbers of velocity."""
     end = float(np.sqrt(colours.high))
     even = LinearColorMapper(palette=_palette(np.linspace(-1.0, 1.0, 255)), low=-end, high=end)
-    ticks = {float(RootScale.root(np.array(tick))): f"{tick:.4g}" for tick in RootScale(colours.high).ticks}
+    ticks = {
+        float(spacetime.RootScale.root(np.array(tick))): f"{tick:.4g}"
+        for tick in spacetime.RootScale(colours.high).ticks
+    }
     return ColorBar(
         color_mapper=even,
         title=title,

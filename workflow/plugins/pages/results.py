@@ -3,10 +3,10 @@
 from collections.abc import Iterable
 from html import escape
 
-from granchain.parts import PrintedTable, html
+from granchain.parts import html, screen
 
 
-def results(lines: Iterable[str | PrintedTable]) -> str:
+def results(lines: Iterable[str | screen.PrintedTable]) -> str:
     """Sentences of an analysis, and below them its tables, which unfold."""
     sentences, tables = [], []
     for line in lines:

@@ -8,7 +8,7 @@ import numpy as np
 from bokeh.layouts import column, gridplot, row
 from bokeh.models import CheckboxGroup, ColumnDataSource, CustomJS, Div, HoverTool, Range1d
 
-from granchain.parts import Fact, Floats, Integers, Problem, RootScale, Survey, leading_waves, physics
+from granchain.parts import Fact, Floats, Integers, Problem, Survey, leading_waves, physics, spacetime
 from workflow.plugins.pages.downsample import Thinned, units_of
 from workflow.plugins.pages.map_choice import map_choice
 from workflow.plugins.pages.measured import plots_of
@@ -267,7 +267,7 @@ def layout(
     units = units_of(problem, part)
     part, measured = part.measured(units), measurements or {}
     images = [image_source(part, place) for place in range(len(part.chains))]
-    scale = RootScale.of(problem, part.beads, part.velocity)
+    scale = spacetime.RootScale.of(problem, part.beads, part.velocity)
     all_places = ends(part.places, part.spacing)
     place_range = Range1d(*scale.moving_part(part.velocity, part.places, all_places), bounds=all_places)
     time_range = Range1d(*ends(part.time, part.every), bounds=ends(part.time, part.every))

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from granchain.parts import RunDirectory, one_line
+from granchain.parts import RunDirectory, screen
 from workflow.plugins.pages import need_bokeh, open_in_browser
 
 JOB = "Analysis"
@@ -32,7 +32,7 @@ def execute(arguments: argparse.Namespace) -> int:
         page = write(arguments.directory)
     else:
         page = write_comparison(RunDirectory(arguments.directory), RunDirectory(arguments.against))
-    print(f"{one_line(page)}: {page.stat().st_size / 1e6:.1f} MB")
+    print(f"{screen.one_line(page)}: {page.stat().st_size / 1e6:.1f} MB")
     if not arguments.no_open and not open_in_browser(page.resolve().as_uri()):
-        print(f"there is no screen here: open {one_line(page)} in a browser")
+        print(f"there is no screen here: open {screen.one_line(page)} in a browser")
     return 0

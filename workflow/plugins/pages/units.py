@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from granchain.parts import Label, Problem
+from granchain.parts import Problem, units
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class PageUnit:
 
     def label(self, words: str, symbol: str) -> str:
         """Text of an axis, such as ``time t (ms)``, from words and a symbol in TeX."""
-        return Label(words, symbol, self.symbol or "reduced").plain
+        return units.Label(words, symbol, self.symbol or "reduced").plain
 
 
 Units = dict[str, PageUnit]
@@ -42,7 +42,7 @@ def page_unit(problem: Problem, kind: str, largest: float) -> PageUnit:
     worth = float(scale.measured(1.0, kind))
     if not scale.si:
         return PageUnit(worth, "")
-    prefixed, factor = Label("", unit=scale.symbol(kind)).prefixed(largest * worth)
+    prefixed, factor = units.Label("", unit=scale.symbol(kind)).prefixed(largest * worth)
     return PageUnit(worth * factor, prefixed.unit)
 
 

@@ -13,7 +13,6 @@ from bokeh.resources import INLINE
 
 from granchain import InputError
 from granchain.parts import (
-    PrintedTable,
     Problem,
     RunDirectory,
     analyse,
@@ -21,12 +20,13 @@ from granchain.parts import (
     collect,
     engine_called,
     file_names,
+    output_directory,
     provenance,
     radii,
-    record_files,
     references,
-    shown_chains,
+    screen,
     strict_yaml,
+    style,
     validate,
     validate_run,
     write_text,
@@ -231,7 +231,7 @@ def _run(path: Path) -> Path:
     check = directory.job.check
     if check is not None and check.velocity is not None:
         lines.append(f"Error against the reference: velocities {check.velocity:.1e} V.")
-    part = thinned(problem, directory.blocks_so_far(), shown_chains(problem))
+    part = thinned(problem, directory.blocks_so_far(), style.shown_chains(problem))
     lines += _left_out(problem, part)
     texts = {"scene": strict_yaml.dump(scene.plain())}
     if (path / file_names.DECK).is_file():
@@ -253,7 +253,7 @@ def _run(path: Path) -> Path:
         ready=[open_link(root)],
         foot=foot + provenance.foot(_cited([directory]), _computed(directory)),
     )
-    record_files(path, (VIEW,))
+    output_directory.record_files(path, (VIEW,))
     write_text(path / VIEW, made)
     return path / VIEW
 
@@ -355,7 +355,7 @@ def _compared(runs: tuple[RunDirectory, ...], comparison: validate.Validation, f
     directory, problem = runs[0], comparison.problem
     first, second = [*(run.path.resolve().name for run in runs), comparison.against][:2]
     pairs = validate_run.compared_pairs(runs, comparison)
-    frames = compare_page.compared_frames(problem, pairs, shown_chains(problem))
+    frames = compare_page.compared_frames(problem, pairs, style.shown_chains(problem))
     root, choose = compare_page.layout(problem, frames, (first, second), analyse.default_beads(problem)[0])
     lines = [*compared_lines(runs, comparison), *_shown(problem, frames.first)]
     if frames.first.frame_stride > 1:
@@ -370,17 +370,17 @@ def _compared(runs: tuple[RunDirectory, ...], comparison: validate.Validation, f
         head="".join(f"<p>{escape(line)}</p>" for line in lines) + _html_tables(setting_table(runs, comparison)),
         foot=_html_tables(*compared_tables(runs, comparison)) + provenance.foot(_cited(runs)),
     )
-    record_files(directory.path, (file,))
+    output_directory.record_files(directory.path, (file,))
     write_text(directory.path / file, made)
     return directory.path / file
 
 
-def _html_tables(*tables: PrintedTable | None) -> str:
+def _html_tables(*tables: screen.PrintedTable | None) -> str:
     """Tables as they are printed on a screen, in HTML, without those that are None; wide ones scroll."""
     return "".join(map(_html_table, filter(None, tables)))
 
 
-def _html_table(table: PrintedTable) -> str:
+def _html_table(table: screen.PrintedTable) -> str:
     head = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in table.head)
     rows = "".join(
         f'<tr><th scope="row">{escape(name)}</th>{"".join(f"<td>{escape(cell)}</td>" for cell in cells)}</tr>'

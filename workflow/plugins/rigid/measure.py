@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from granchain.parts import Fact, Measurement, Meter, Recorded, Survey, quantity
+from granchain.parts import Fact, Survey, measurement, quantity
 from workflow.plugins.rigid.runs import RigidRecord
 
 
@@ -21,7 +21,7 @@ class FirstByRounding:
 
 
 @dataclass(frozen=True, repr=False)
-class RoundingMeasurement(Measurement):
+class RoundingMeasurement(measurement.Measurement):
     """The first collision that follows rounding."""
 
     key, kind = "rounding", FirstByRounding
@@ -40,15 +40,15 @@ class RoundingMeasurement(Measurement):
             )
 
     @classmethod
-    def meter(cls, run: Recorded) -> "RoundingMeter | None":
+    def meter(cls, run: measurement.Recorded) -> "RoundingMeter | None":
         """Rigid beads."""
         return None if run.problem.system.holds(Fact.OVERLAPS) else RoundingMeter(run)
 
 
-class RoundingMeter(Meter):
+class RoundingMeter(measurement.Meter):
     """First collision that follows rounding, from the record of the run."""
 
-    def __init__(self, run: Recorded) -> None:
+    def __init__(self, run: measurement.Recorded) -> None:
         self.run = run
 
     def finish(self, survey: Survey) -> RoundingMeasurement:

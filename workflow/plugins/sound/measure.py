@@ -8,20 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from granchain import Scene
-from granchain.parts import (
-    Fact,
-    Floats,
-    Measurement,
-    Meter,
-    Problem,
-    Recorded,
-    Survey,
-    Trajectory,
-    laws,
-    long_waves,
-    physics,
-    unit_cell,
-)
+from granchain.parts import Fact, Floats, Problem, Survey, Trajectory, laws, long_waves, measurement, physics, unit_cell
 from workflow.plugins.sound.dispersion import Bands, Branches, Dispersion, Map
 from workflow.plugins.sound.loaded_pulse import LoadedPulse, Sound
 
@@ -30,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class DispersionMeasurement(Measurement):
+class DispersionMeasurement(measurement.Measurement):
     """Bands, and the map that they are from; None where there is none."""
 
     key, kind, figure = "dispersion", Bands, "dispersion"
@@ -61,12 +48,12 @@ class DispersionMeasurement(Measurement):
         return dispersion_figure(self.problem, self.map)
 
     @classmethod
-    def meter(cls, run: Recorded) -> "DispersionMeter | None":
+    def meter(cls, run: measurement.Recorded) -> "DispersionMeter | None":
         """Dispersion of chains under a static load."""
         return DispersionMeter(run.problem) if physics.loaded(run.problem.system) else None
 
 
-class DispersionMeter(Meter):
+class DispersionMeter(measurement.Meter):
     """The map of velocities, or the reason why there is none."""
 
     def __init__(self, problem: Problem) -> None:
@@ -95,7 +82,7 @@ class DispersionMeter(Meter):
 
 
 @dataclass(frozen=True, repr=False)
-class SoundMeasurement(Measurement):
+class SoundMeasurement(measurement.Measurement):
     """Speed of sound, and the leading pulse."""
 
     key, kind = "sound", Sound
@@ -137,15 +124,15 @@ class SoundMeasurement(Measurement):
             yield line
 
     @classmethod
-    def meter(cls, run: Recorded) -> "SoundMeter | None":
+    def meter(cls, run: measurement.Recorded) -> "SoundMeter | None":
         """Sound under a static load; the pulse where it stays together and all beads are recorded."""
         return SoundMeter(run) if physics.loaded(run.problem.system) else None
 
 
-class SoundMeter(Meter):
+class SoundMeter(measurement.Meter):
     """Speed of sound, and the leading pulse on it."""
 
-    def __init__(self, run: Recorded) -> None:
+    def __init__(self, run: measurement.Recorded) -> None:
         self.problem = run.problem
         self._length = bead_length(run.scene)
         pulses = run.problem.whole and run.problem.system.holds(Fact.PULSE)

@@ -18,9 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from granchain import InputError
 from granchain.parts import (
-    CommandResult,
     Study,
-    cell,
     columns,
     computations,
     evaluate,
@@ -28,10 +26,8 @@ from granchain.parts import (
     heading,
     label,
     library,
-    one_line,
     options,
-    print_files,
-    print_table,
+    screen,
     units,
 )
 from workflow.plugins.threshold.crossings import Crossing, SearchedField, crossings, wanted
@@ -155,7 +151,7 @@ class ThresholdResult:
     def missing(self, over: Any) -> str:
         """Why there is no threshold at a value of the second field, in one line."""
         question = self.question
-        at = f" at {question.over.name} = {cell(over)}" if question.over.name else ""
+        at = f" at {question.over.name} = {screen.cell(over)}" if question.over.name else ""
         points = [point for point in self.points if point.over == over]
         quantities = [point.quantity for point in points if point.quantity is not None]
         undefined = [point.value for point in points if point.quantity is None]
@@ -296,7 +292,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_jobs(parser)
 
 
-def execute(arguments: argparse.Namespace) -> CommandResult:
+def execute(arguments: argparse.Namespace) -> screen.CommandResult:
     """Print the thresholds; exit code 1 without any, 130 when interrupted, with all that was computed kept."""
     question = _question(arguments)
     try:
@@ -304,7 +300,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     except KeyboardInterrupt:
         return options.interrupted()
     _print(result, arguments.output)
-    return CommandResult(0 if result.thresholds else 1, result.plain())
+    return screen.CommandResult(0 if result.thresholds else 1, result.plain())
 
 
 def _question(arguments: argparse.Namespace) -> Question:
@@ -358,19 +354,27 @@ def _print(result: ThresholdResult, output: Path) -> None:
     if result.thresholds:
         head = [heading(name, question.scene) for name in (question.over.name, question.field) if name]
         quantity = heading(question.quantity, question.scene)
-        print_table(
-            f"{one_line(question.source)}: where {quantity} crosses {question.level:g}",
+        screen.print_table(
+            f"{screen.one_line(question.source)}: where {quantity} crosses {question.level:g}",
             [*head, "uncertainty", "from", "to", question.quantity, ""],
-            [[cell(threshold.over)] * bool(question.over.name) + _row(threshold) for threshold in result.thresholds],
+            [
+                [screen.cell(threshold.over)] * bool(question.over.name) + _row(threshold)
+                for threshold in result.thresholds
+            ],
         )
     for over, thresholds in result.by_over().items():
         if not thresholds:
-            print(one_line(result.missing(over)))
+            print(screen.one_line(result.missing(over)))
     print(f"{len(result.points)} scenes were computed; the error of the reference is not in the uncertainty")
-    print_files(output, (TABLE, POINTS, *STUDY.figure_files))
+    screen.print_files(output, (TABLE, POINTS, *STUDY.figure_files))
 
 
 def _row(threshold: Threshold) -> list[str]:
     notes = ["both sides alternate"] * threshold.mixed + ["undefined between"] * threshold.undefined
-    numbers = [cell(threshold.place), cell(threshold.uncertainty, ".2g"), cell(threshold.low), cell(threshold.high)]
+    numbers = [
+        screen.cell(threshold.place),
+        screen.cell(threshold.uncertainty, ".2g"),
+        screen.cell(threshold.low),
+        screen.cell(threshold.high),
+    ]
     return [*numbers, "rises" if threshold.rises else "falls", ", ".join(notes)]

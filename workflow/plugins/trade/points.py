@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from granchain import RunError
-from granchain.parts import Problem, declare, result
+from granchain.parts import Problem, quantity
 from workflow.plugins.trade.settings import LAMMPS, REFERENCE, WINDOW, EngineSetting, Interval, Truth
 
 
@@ -159,24 +159,24 @@ WELL_ABOVE = 10.0
 """Ratio of an error to the uncertainty of the reference from which on the error is well known."""
 
 
-@result
+@quantity.result
 class Order:
     """Measured order of a method: slope of log error over log step."""
 
-    method: str = declare("engine and scheme", digits="")
-    order: float = declare("slope by regression", digits=".2f")
-    standard_error: float = declare("standard error of the order", "", "two points", digits=".2f")
-    low: float = declare("smallest step of the regression", "time", digits=".4g")
-    high: float = declare("largest step of the regression", "time", digits=".4g")
-    points: int = declare("number of settings", digits="d")
+    method: str = quantity.declare("engine and scheme", digits="")
+    order: float = quantity.declare("slope by regression", digits=".2f")
+    standard_error: float = quantity.declare("standard error of the order", "", "two points", digits=".2f")
+    low: float = quantity.declare("smallest step of the regression", "time", digits=".4g")
+    high: float = quantity.declare("largest step of the regression", "time", digits=".4g")
+    points: int = quantity.declare("number of settings", digits="d")
 
 
-def pareto(points: Points, quantity: str) -> list[MeasuredSetting]:
+def pareto(points: Points, name: str) -> list[MeasuredSetting]:
     """Pareto front: points that no other beats in both error and time, in the order of rising time."""
-    finite = [point for point in points if point.measured and math.isfinite(point.errors[quantity])]
+    finite = [point for point in points if point.measured and math.isfinite(point.errors[name])]
     front: list[MeasuredSetting] = []
-    for point in sorted(finite, key=lambda point: (point.seconds, point.errors[quantity])):
-        if not front or point.errors[quantity] < front[-1].errors[quantity]:
+    for point in sorted(finite, key=lambda point: (point.seconds, point.errors[name])):
+        if not front or point.errors[name] < front[-1].errors[name]:
             front.append(point)
     return front
 
@@ -246,9 +246,9 @@ class Findings:
         methods = dict.fromkeys(point.setting.method for point in self.points)
         return {name: [point for point in self.points if point.setting.method == name] for name in methods}
 
-    def front(self, quantity: str) -> list[MeasuredSetting]:
+    def front(self, name: str) -> list[MeasuredSetting]:
         """The Pareto front of the error of a quantity and wall time."""
-        return pareto(self.comparable, quantity)
+        return pareto(self.comparable, name)
 
     def orders(self) -> list[Order]:
         """Orders of the methods that have one."""

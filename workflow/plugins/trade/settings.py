@@ -20,17 +20,16 @@ from granchain.parts import (
     Trajectory,
     Uncertainty,
     deck,
-    declare,
     difference,
     file_names,
     leading_waves,
     mpi,
     peaks,
     physics,
+    quantity,
+    rates,
     recording,
-    result,
     run_deck,
-    stability_bound,
     window,
 )
 from granchain.parts import engine as reference
@@ -162,7 +161,7 @@ def stepped(problem: Problem, finest: int, stages: int = 1) -> list[Problem]:
         finest: number of the shortest cycles in the longest one.
         stages: number of steps of a cycle.
     """
-    longest = math.floor(math.log2(COARSEST * stability_bound(problem.system) / problem.every))
+    longest = math.floor(math.log2(COARSEST * rates.stability_bound(problem.system) / problem.every))
     longest = min(longest, max(0, math.floor(math.log2(problem.frames / LEAST_FRAMES))))
     problems = []
     for power in range(longest, longest - finest.bit_length(), -1):
@@ -265,14 +264,14 @@ FARTHEST = 2.0
 """Time between frames, in units of T, from which on a wave passes a bead between two frames."""
 
 
-@result
+@quantity.result
 class Interval:
     """Largest errors of the leading pulse that are due to the time between frames."""
 
-    every: float = declare("time between frames", "time", digits=".4g")
-    amplitude_error: float = declare("largest error of a peak velocity", "V", "a peak is missed", digits=".1e")
-    arrival_error: float = declare("largest error of an arrival", "T", "a peak is missed", digits=".1e")
-    megabytes: float = declare("size of all frames", "MB", digits=".3g")
+    every: float = quantity.declare("time between frames", "time", digits=".4g")
+    amplitude_error: float = quantity.declare("largest error of a peak velocity", "V", "a peak is missed", digits=".1e")
+    arrival_error: float = quantity.declare("largest error of an arrival", "T", "a peak is missed", digits=".1e")
+    megabytes: float = quantity.declare("size of all frames", "MB", digits=".3g")
 
 
 def intervals(problem: Problem) -> list[Interval]:

@@ -23,21 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granchain import InputError, Scene
-from granchain.parts import (
-    Problem,
-    Study,
-    count_bar,
-    declare,
-    file_names,
-    library,
-    mpi,
-    plain,
-    print_files,
-    print_heading,
-    recording,
-    result,
-    settle,
-)
+from granchain.parts import Problem, Study, file_names, library, mpi, quantity, recording, screen, settle
 from workflow.plugins.trade.points import Findings, Order, Points, TrialLimits, measure, sentences
 from workflow.plugins.trade.settings import QUANTITIES, WINDOW, Interval, Truth, intervals, make_truth, run, settings
 
@@ -66,33 +52,35 @@ BUSY = 0.7
 """Load, before anything is run, that makes times unreliable."""
 
 
-@result
+@quantity.result
 class PrintedSetting:
     """A measured setting as it is printed and written."""
 
-    method: str = declare("engine and scheme, or what varies", digits="")
-    setting: str = declare("value of what varies", digits="")
-    timestep: float = declare("time step", "time")
-    every: float = declare("time between frames", "time")
-    velocity_error: float = declare("largest error of a velocity", "V", digits=".1e", head="velocity")
-    amplitude_error: float = declare(
+    method: str = quantity.declare("engine and scheme, or what varies", digits="")
+    setting: str = quantity.declare("value of what varies", digits="")
+    timestep: float = quantity.declare("time step", "time")
+    every: float = quantity.declare("time between frames", "time")
+    velocity_error: float = quantity.declare("largest error of a velocity", "V", digits=".1e", head="velocity")
+    amplitude_error: float = quantity.declare(
         "largest error of a peak velocity of the leading pulse", "V", digits=".1e", head="amplitude"
     )
-    arrival_error: float = declare(
+    arrival_error: float = quantity.declare(
         "largest error of an arrival of the leading pulse", "T", digits=".1e", head="arrival"
     )
-    forces: int = declare("number of evaluations of all forces", digits=".3g")
-    seconds: float = declare(
+    forces: int = quantity.declare("number of evaluations of all forces", digits=".3g")
+    seconds: float = quantity.declare(
         "median time of the time loop with its frames, without the first call; where it falls as a method's "
         "evaluations of forces rise, the mean of the medians that do",
         "s",
         digits=".3g",
         head="s",
     )
-    seconds_min: float = declare("least time of the time loop, or that median", "s", digits=".2g", head="min")
-    seconds_max: float = declare("largest time of the time loop, or that median", "s", digits=".2g", head="max")
-    first: float = declare("time of the first call with its start", "s", digits=".2g")
-    front: str = declare("* on the Pareto front of the velocities' error and time", digits="")
+    seconds_min: float = quantity.declare("least time of the time loop, or that median", "s", digits=".2g", head="min")
+    seconds_max: float = quantity.declare(
+        "largest time of the time loop, or that median", "s", digits=".2g", head="max"
+    )
+    first: float = quantity.declare("time of the first call with its start", "s", digits=".2g")
+    front: str = quantity.declare("* on the Pareto front of the velocities' error and time", digits="")
 
 
 def records(findings: Findings) -> list[PrintedSetting]:
@@ -152,7 +140,7 @@ def study(problem: Problem, directory: Path, *, budget: float = BUDGET) -> Findi
     """
     findings = Findings(problem, notes=busy())
     started = time.perf_counter()
-    with STUDY.opened(directory), count_bar("trade") as follow:
+    with STUDY.opened(directory), screen.count_bar("trade") as follow:
         try:
             with tempfile.TemporaryDirectory(prefix=".running-", dir=directory) as name:
                 _measure(
@@ -206,9 +194,9 @@ def report(findings: Findings) -> dict[str, Any]:
         "seconds": findings.seconds,
         "advice": sentences(findings),
         "reference": None if truth is None else {**asdict(truth.uncertainty), "seconds": truth.seconds},
-        "orders": plain(findings.orders(), scale),
-        "engines": plain(records(findings), scale),
-        "frames": plain(findings.frames, scale),
+        "orders": quantity.plain(findings.orders(), scale),
+        "engines": quantity.plain(records(findings), scale),
+        "frames": quantity.plain(findings.frames, scale),
     }
     return STUDY.with_provenance(contents)
 
@@ -221,8 +209,7 @@ def _figure(findings: Findings, truth: Truth) -> "Figure":
         name = f"{record.method} (near the front)" if record.method == WINDOW else record.method
         methods.setdefault(name, []).append(vars(record))
     fronts = {
-        quantity: np.array([(point.seconds, point.errors[quantity]) for point in findings.front(quantity)])
-        for quantity in QUANTITIES
+        name: np.array([(point.seconds, point.errors[name]) for point in findings.front(name)]) for name in QUANTITIES
     }
     return work_precision_figure(findings.problem, methods, fronts, truth.floors)
 
@@ -255,11 +242,11 @@ def execute(arguments: argparse.Namespace) -> int:
         raise InputError(f"--budget: {arguments.budget:g} given; a number of seconds above 0")
     scene = library.find(arguments.scene)
     problem = plain_problem(scene)
-    print_heading(scene.name, scene.units)
+    screen.print_heading(scene.name, scene.units)
     findings = study(problem, arguments.output, budget=arguments.budget)
     _print(findings)
     names = [name for name in STUDY.files if (arguments.output / name).exists()]
-    print_files(arguments.output, names)
+    screen.print_files(arguments.output, names)
     if not findings.complete:
         raise KeyboardInterrupt
     return 0

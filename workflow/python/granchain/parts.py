@@ -18,29 +18,16 @@ if TYPE_CHECKING:
     from analysis.figures import studies as studies
     from analysis.figures import style as style
     from analysis.figures.errors import residual_figure as residual_figure
-    from analysis.figures.spacetime import RootScale as RootScale
-    from analysis.figures.spacetime import SpaceTime as SpaceTime
-    from analysis.figures.spacetime import panels as panels
-    from analysis.figures.spacetime import spacetime_figure as spacetime_figure
-    from analysis.figures.style import CHAIN_COLOURS as CHAIN_COLOURS
-    from analysis.figures.style import CHAIN_DASHES as CHAIN_DASHES
-    from analysis.figures.style import AxisUnit as AxisUnit
-    from analysis.figures.style import shown_chains as shown_chains
-    from analysis.figures.style import styled as styled
-    from analysis.figures.style import title as title
     from analysis.figures.waves import response_of as response_of
     from analysis.files import recording as recording
     from analysis.files import traces as traces
     from analysis.files.binary_dump import BinaryDump as BinaryDump
     from analysis.gauges import channels as channels
     from analysis.gauges import gauge as gauge
-    from analysis.quantity import declare as declare
-    from analysis.quantity import plain as plain
     from analysis.quantity import result as result
     from analysis.shape import exact_wave as exact_wave
     from analysis.shape import long_waves as long_waves
     from analysis.shape import unit_cell as unit_cell
-    from analysis.shape.unit_cell import bands as bands
     from analysis.sharing import energies as energies
     from analysis.sharing import impulses as impulses
     from analysis.sharing.survey import Survey as Survey
@@ -79,18 +66,16 @@ if TYPE_CHECKING:
     from lammps_inputs.laws import dashpot as dashpot
     from lammps_inputs.laws.plastic import restitution_of as restitution_of
     from lammps_inputs.limits import rates as rates
-    from lammps_inputs.limits.rates import stability_bound as stability_bound
-    from lammps_inputs.numbers import text as text
     from lammps_inputs.output import Limits as Limits
     from lammps_inputs.output import too_far_apart as too_far_apart
     from lammps_inputs.scene import DEFAULT_ACCURACY as DEFAULT_ACCURACY
-    from lammps_inputs.units import Label as Label
     from workflow import cli as cli
     from workflow import compiled as compiled
     from workflow import cost_model as cost_model
     from workflow import errors as errors
     from workflow import formats as formats
     from workflow import provenance as provenance
+    from workflow import screen as screen
     from workflow import step_time as step_time
     from workflow.arguments import AnyDefinition as AnyDefinition
     from workflow.arguments import AnyRun as AnyRun
@@ -112,10 +97,8 @@ if TYPE_CHECKING:
     from workflow.engines.reference.step_halving import StepHalving as StepHalving
     from workflow.engines.reference.uncertainty import Uncertainty as Uncertainty
     from workflow.measures import forces as forces
+    from workflow.measures import measurement as measurement
     from workflow.measures import plastic as plastic
-    from workflow.measures.base import Measurement as Measurement
-    from workflow.measures.base import Meter as Meter
-    from workflow.measures.base import Recorded as Recorded
     from workflow.prepare.settings import settle as settle
     from workflow.quantities import columns as columns
     from workflow.quantities import evaluate as evaluate
@@ -123,25 +106,14 @@ if TYPE_CHECKING:
     from workflow.runs import engines as engines
     from workflow.runs import job as job
     from workflow.runs import labelled as labelled
+    from workflow.runs import output_directory as output_directory
     from workflow.runs import status as status
     from workflow.runs.engines import engine_called as engine_called
     from workflow.runs.files import complete as complete
     from workflow.runs.files import write_text as write_text
     from workflow.runs.frames import write_frames as write_frames
-    from workflow.runs.output_directory import make_directory as make_directory
-    from workflow.runs.output_directory import record_files as record_files
     from workflow.runs.run import run as run
     from workflow.runs.run_directory import RunDirectory as RunDirectory
-    from workflow.screen import CommandResult as CommandResult
-    from workflow.screen import PrintedTable as PrintedTable
-    from workflow.screen import cell as cell
-    from workflow.screen import count_bar as count_bar
-    from workflow.screen import hint as hint
-    from workflow.screen import one_line as one_line
-    from workflow.screen import print_files as print_files
-    from workflow.screen import print_heading as print_heading
-    from workflow.screen import print_table as print_table
-    from workflow.screen import with_hints as with_hints
     from workflow.study_kit import options as options
     from workflow.study_kit import page as page
     from workflow.study_kit.directory import Study as Study
@@ -160,7 +132,6 @@ if TYPE_CHECKING:
     from workflow.verdicts import validate as validate
     from workflow.verdicts import validate_run as validate_run
     from workflow.verdicts import validation_tables as validation_tables
-    from workflow.verdicts.analyse import measure as measure
     from workflow.workers import computations as computations
 else:
     _SOURCES = lazy_names.sources(__file__)

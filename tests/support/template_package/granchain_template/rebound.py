@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from granchain.parts import Measurement, Meter, Problem, Recorded, Survey, Trajectory, quantity
+from granchain.parts import Problem, Survey, Trajectory, measurement, quantity
 
 
 @quantity.result
@@ -20,7 +20,7 @@ class Backwards:
 
 
 @dataclass(frozen=True, repr=False)
-class Rebound(Measurement):
+class Rebound(measurement.Measurement):
     """Velocity backwards, of every run."""
 
     key, kind = "rebound", Backwards
@@ -32,12 +32,12 @@ class Rebound(Measurement):
         yield f"largest velocity backwards {self.problem.scale.written(self.values.largest, 'velocity')}"
 
     @classmethod
-    def meter(cls, run: Recorded) -> "ReboundMeter":
+    def meter(cls, run: measurement.Recorded) -> "ReboundMeter":
         """The largest over all frames."""
         return ReboundMeter(run.problem)
 
 
-class ReboundMeter(Meter):
+class ReboundMeter(measurement.Meter):
     """Largest velocity backwards so far."""
 
     def __init__(self, problem: Problem) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from granchain.parts import Floats, bands, motion, page
+from granchain.parts import Floats, motion, page, unit_cell
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
 from workflow.plugins.gallery.entry import COLOURS, PUBLISHED, Entry, Results, Statements, chain, line, panel
 from workflow.plugins.gallery.periodic_family import COMPUTED, stays
@@ -193,7 +193,7 @@ def _gap_breathers(_: Results) -> Statements:
 
 def _gap_edges(families: dict[str, PeriodicFamily]) -> Statements:
     heavy = families["heavy"]
-    edges = bands(heavy.problem.system)
+    edges = unit_cell.bands(heavy.problem.system)
     assert edges is not None
     exact = np.array([0.0, ACOUSTIC, OPTICAL, math.sqrt(2.0 * STIFFNESS * (1.0 + 1.0 / LIGHT))])
     frequencies = [family.linear.frequency for family in families.values()]

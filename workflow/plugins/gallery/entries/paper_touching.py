@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from granchain.parts import SpaceTime, page, response_of, spacetime_figure, watch
+from granchain.parts import page, response_of, spacetime, watch
 from workflow.plugins.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, by_engine, near, state
 from workflow.plugins.gallery.entry import Entry, Ran, Results, Statements, each
 from workflow.plugins.gallery.equipartition_distance import distance_map, equipartition_distance
@@ -142,7 +142,11 @@ def pictures(runs: Results) -> list[page.PageFigure]:
         run = runs[name]["lammps"]
         caption = f"Fig. {space}: velocity in space and time ({name}, LAMMPS)."
         figures.append(
-            page.drawn(f"fig{space}", spacetime_figure(watch(SpaceTime(run.problem), run.blocks())), caption)
+            page.drawn(
+                f"fig{space}",
+                spacetime.spacetime_figure(watch(spacetime.SpaceTime(run.problem), run.blocks())),
+                caption,
+            )
         )
         caption = f"Fig. {time}: velocity of bead {bead} in all chains ({name}, LAMMPS)."
         response = response_of(run.problem, run.blocks(), (bead,), run.waves)
