@@ -667,7 +667,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
             The problem, in units of V, T, L and the mass of a bead.
 
         Raises:
-            ValueError: the scene ends at a bead, or asks for an accuracy; `workflow.prepare.settings.with_settings`
+            ValueError: the scene ends at a bead, or asks for an accuracy; `workflow.prepare.settings.settle`
                 finds the duration and the time step.
 
         Examples:
@@ -684,7 +684,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
             )
         if self.accuracy is not None:
             raise ValueError(
-                "this scene asks for an accuracy; workflow.prepare.settings.with_settings(scene) finds its time step"
+                "this scene asks for an accuracy; workflow.prepare.settings.settle(scene) finds its time step"
             )
         if self.window == "auto":
             raise ValueError(

@@ -139,6 +139,11 @@ class Sharing:
         """[place] mean amplitude of the chains."""
         return np.asarray(np.mean(self.of_tied(self.amplitude), axis=1))
 
+    def _over_mean(self, values: Floats) -> Floats:
+        """Values [place] over the mean amplitude of the chains; not finite where that is 0."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(values / self._mean)
+
     def of_tied(self, values: Floats) -> Floats:
         """Columns of a table [place, chain] for the chains that count, [place, counting chain]."""
         counts = np.isfinite(self.amplitude).any(axis=0)
@@ -161,8 +166,8 @@ class Sharing:
 
     @cached_property
     def mismatch(self) -> Floats:
-        """[place] (largest - smallest) / mean of the amplitudes; 0 for a single chain."""
-        return np.asarray(np.ptp(self.of_tied(self.amplitude), axis=1) / self._mean)
+        """[place] (largest - smallest) / mean of the amplitudes; 0 for a single chain, NaN where all of them are 0."""
+        return self._over_mean(np.ptp(self.of_tied(self.amplitude), axis=1))
 
     @cached_property
     def lag(self) -> Floats:
@@ -180,7 +185,8 @@ class Sharing:
         speed = self.exact.speed_at(self._mean)
         if self.loaded is not None:  # a wave on a static load is about as long, and faster
             speed = self.loaded.at(self.kicked + 1, self.bead, self._mean)
-        return np.asarray(self.exact.width / speed)
+        with np.errstate(divide="ignore"):  # a wave of amplitude 0 passes in no time that is finite
+            return np.asarray(self.exact.width / speed)
 
     def uncertainties(self) -> tuple[float, float]:
         """Largest uncertainty of amplitudes (relative) and of arrivals (in passages) over the last half beat.
@@ -218,12 +224,11 @@ class Sharing:
         none = np.zeros(0), np.zeros(0)
         if len(self) < 2:
             return none
-        mean = self._mean
-        deviation = self.amplitude[:, self.kicked] / mean - 1.0
+        deviation = self._over_mean(self.amplitude[:, self.kicked]) - 1.0
         large = np.flatnonzero(np.abs(deviation) > SMALLEST_BEAT)
         if len(large) < 2:
             return none
-        bead, deviation, error = self.bead[large], deviation[large], 2.0 * (self.largest_error / mean)[large]
+        bead, deviation, error = self.bead[large], deviation[large], 2.0 * self._over_mean(self.largest_error)[large]
         change = np.flatnonzero(np.sign(deviation[1:]) != np.sign(deviation[:-1]))
         before, after = deviation[change], deviation[change + 1]
         apart = (bead[change + 1] - bead[change]) / np.abs(before - after)
@@ -355,7 +360,7 @@ class Sharing:
         missed = 1.0 - math.cos(0.5 * math.pi / max(1.0, half))
         decay = span / max(math.log(tops[-3:, 1].max() / tops[-1, 1]), 1e-9)
         beside = missed * min(decay, value) * (1.0 + ahead / span)
-        errors = np.interp(tops[-3:, 0], self.bead, self.largest_error / self._mean) * (2.0 / tops[-3:, 1] + 1.0)
+        errors = np.interp(tops[-3:, 0], self.bead, self._over_mean(self.largest_error)) * (2.0 / tops[-3:, 1] + 1.0)
         of_run = error_of_crossing(tops[-3:, 0], np.log(tops[-3:, 1]), math.log(tolerance), errors)
         return Estimate(value, max(other, 0.05 * ahead + half + beside) + of_run)
 

@@ -76,7 +76,6 @@ def of_scene(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Meas
     return of_frames(problem, trajectory.blocks, scene, names)
 
 
-@np.errstate(divide="ignore", invalid="ignore")  # numbers relative to amplitudes that may all be 0 are undefined
 def of_frames(
     problem: Problem, frames: Callable[[], Iterable[Trajectory]], scene: Scene, names: tuple[str, ...]
 ) -> Measured:

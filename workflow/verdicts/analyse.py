@@ -114,7 +114,6 @@ class Analysis:
         return html.table(repr(self)[1:-1], head, rows) + html.text(drawn)
 
 
-@np.errstate(divide="ignore", invalid="ignore")  # numbers relative to amplitudes that may all be 0 are undefined
 def analyse(
     directory: RunDirectory,
     *,
@@ -193,7 +192,6 @@ def results_of(directory: RunDirectory, frames: MeasuredFrames, drawn: tuple[Pat
     )
 
 
-@np.errstate(divide="ignore", invalid="ignore")  # numbers relative to amplitudes that may all be 0 are undefined
 def measure(
     directory: RunDirectory,
     *,

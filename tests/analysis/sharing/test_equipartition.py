@@ -39,6 +39,19 @@ def beating(level: float, beat: float, decay: float, last: int = 200, first: int
     return Sharing(0, bead, arrival, amplitude, 0.5)
 
 
+@pytest.mark.parametrize("places", [slice(0, 1), slice(-1, None), slice(50, 60), slice(None)])
+def test_where_all_amplitudes_are_0_the_mismatch_is_undefined_and_the_other_places_are_as_they_were(places):
+    shared = beating(0.5, 20.0, 60.0)
+    still = np.zeros(len(shared), dtype=bool)
+    still[places] = True
+    without = replace(shared, amplitude=np.where(still[:, np.newaxis], 0.0, shared.amplitude))
+    assert np.isnan(without.mismatch[still]).all()
+    np.testing.assert_array_equal(without.mismatch[~still], shared.mismatch[~still])
+    np.testing.assert_array_equal(without.spread[~still], shared.spread[~still])
+    assert np.isfinite(without.beats).all()
+    assert without.agrees_from(0.01) is None or without.agrees_from(0.01) > without.bead[still].max()
+
+
 @pytest.mark.parametrize(
     ("chains", "kappa", "tolerance", "bead"),
     [

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from lammps_inputs.deck_atoms import DeckAtoms
-from lammps_inputs.ingredients import walls
-from workflow.plugins.adopt.scene_of import WALLS, atoms_text
+from workflow.plugins.adopt.scene_of import atoms_text
 
 
 @pytest.mark.parametrize(
@@ -15,7 +14,3 @@ def test_atoms_are_those_of_their_text(atoms):
     text = atoms_text(np.array(atoms))
     assert DeckAtoms(deck="in.mine", axis="z", atoms=(text,), timestep=0.5).numbers.tolist() == [atoms]
     assert len(text) <= len(",".join(map(str, atoms)))
-
-
-def test_walls_that_are_recognised_are_all_kinds_with_their_strengths():
-    assert WALLS == walls.STRENGTHS

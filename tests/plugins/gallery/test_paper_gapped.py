@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from lammps_inputs.limits import closing
 from workflow.plugins.gallery.entries import paper_gapped as study
 
 
@@ -52,10 +51,6 @@ def test_late_rigid_rows_belong_to_the_arithmetic():
     theta = np.linspace(0.05, 7.95, 80)
     assert np.mean(study.sensitivity(theta) > 0.01) > 0.5
     assert np.mean(study.sensitivity(theta, bead=3) > 0.01) < 0.1
-
-
-def test_the_gap_of_eq_5_is_that_which_the_program_names():
-    assert study.THETA_OF_EQ_5 == closing.THETA_OF_EQ_5
 
 
 @pytest.mark.parametrize(("kappa", "equal_from", "last"), [(1.0, 12, 60), (0.1, 63, 110)])

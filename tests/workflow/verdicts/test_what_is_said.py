@@ -1,7 +1,7 @@
 """Of many scenes, what ``analyze`` must say of the run, and what it must not.
 
-Beads of agreement (``agrees``) are those of chains so long that they were reached, run by the reference with a window
-(`workflow.studies.map`); all other numbers follow from the scene. Most rows are run by the reference engine, on coarse
+Beads of agreement (``agrees``) are those of chains so long that they were reached, run by the reference with a window;
+all other numbers follow from the scene. Most rows are run by the reference engine, on coarse
 frames.
 """
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from granchain.parts import dashpot, too_far_apart, units
+from granchain.parts import dashpot, too_far_apart, units, walls
 from workflow.plugins.adopt.chains import Inner, Measured, NotMeasuredError
 
 Floats = NDArray[np.float64]
@@ -25,10 +25,6 @@ SHORT = 7
 
 NEGLIGIBLE = 1e-6
 """Distances in units of L, and forces in units of m V / T, that are none."""
-
-WALLS = {"bead": 1.0, "flat": math.sqrt(2.0), "rigid": 2.0 * math.sqrt(2.0)}
-"""Force of a sphere on a wall over that on an equal sphere at the same overlap, by Hertz: a plane doubles the effective
-radius, a rigid body the effective modulus."""
 
 FRAMES = 0.1
 """Time between frames in units of T where the deck has no dump."""
@@ -338,15 +334,15 @@ class SceneKeys:
     # --- walls, dashpots, loads ---------------------------------------------------------------------------------------
 
     def _walls(self) -> dict[str, Any]:
-        walls: dict[str, Any] = {}
+        keys: dict[str, Any] = {}
         for side, strengths in self.measured.walls.items():
             end = 0 if side == "left" else -1
             of_like = self.reference * np.sqrt(self.measured.radius[:, end] / self.radius)
-            kinds = WALLS if self.measured.exponent == 1.5 else {"bead": 1.0}
+            kinds = walls.STRENGTHS if self.measured.exponent == 1.5 else {"bead": 1.0}
             name = next((n for n, share in kinds.items() if np.allclose(strengths / of_like, share, rtol=SAME)), None)
             message = "the walls of the chains differ; supported: one wall at each end"
-            walls[side] = name or {"stiffness": single_value(strengths / self.unit, message, "fix wall/gran")}
-        return {"walls": walls} if walls else {}
+            keys[side] = name or {"stiffness": single_value(strengths / self.unit, message, "fix wall/gran")}
+        return {"walls": keys} if keys else {}
 
     def _damping(self) -> dict[str, Any]:
         measured = self.measured

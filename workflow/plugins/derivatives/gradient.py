@@ -16,9 +16,9 @@ from granchain.parts import (
     Fact,
     Floats,
     RunDirectory,
+    axes,
     columns,
     csv_text,
-    label,
     numbers,
     output_directory,
     screen,
@@ -142,7 +142,7 @@ class _Estimate:
 
 def _unit(varied: VariedScene, quantity: str, name: str) -> str:
     """Unit of a quantity over that of a field, such as ``(m/s)/(N/m)``; empty of a number."""
-    symbols = [label(part, varied.plain).unit for part in (quantity, name)]
+    symbols = [axes.label(part, varied.plain).unit for part in (quantity, name)]
     above, below = ("" if unit == units.REDUCED else unit for unit in symbols)
     return above if not below else f"({above or '1'})/({below})"
 

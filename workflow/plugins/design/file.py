@@ -28,7 +28,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, PlainValidator, model_validator
 
 from granchain import InputError
-from granchain.parts import columns, fields, file_parts, heading, schema, strict_yaml
+from granchain.parts import axes, columns, fields, file_parts, schema, strict_yaml
 
 # --- variables --------------------------------------------------------------------------------------------------------
 
@@ -251,7 +251,7 @@ class Design:
 
     def heading(self, name: str) -> str:
         """A varied field or a quantity with its unit, for tables."""
-        return heading(name, self.scene)
+        return axes.heading(name, self.scene)
 
     def broken(self, quantities: Mapping[str, float | None]) -> list[str]:
         """Computed quantities that are outside their limits or undefined."""

@@ -79,15 +79,7 @@ def polished(
         """Quantities, and their derivatives by shares of the ranges, at shares [field]."""
         if shares.tobytes() not in computed:
             values = values_at(shares)
-            arguments = {
-                "plain": fields.put_all(design.scene, values),
-                "names": design.names,
-                "by": names,
-                "source": design.source,
-            }
-            [answer] = evaluated(
-                [computations.case("workflow.plugins.derivatives.gradient:values_and_slopes", arguments)]
-            )
+            [answer] = evaluated([_slopes(design, values, names)])
             if "refused" in answer or None in [*answer["values"], *np.ravel(answer["slopes"]).tolist()]:
                 raise _NoValueError
             by_share = [(high[k] - low[k]) * (values[v.field] if v.log else 1.0) for k, v in enumerate(variables)]
@@ -114,6 +106,17 @@ def polished(
     except _NoValueError:
         return start.values
     return values_at(end.x)
+
+
+def _slopes(design: Design, values: dict[str, Any], by: list[str]) -> computations.Computation:
+    """Quantities of a design and their derivatives by some of its fields, as a case."""
+    arguments = {
+        "plain": fields.put_all(design.scene, values),
+        "names": design.names,
+        "by": by,
+        "source": design.source,
+    }
+    return computations.case("workflow.plugins.derivatives.gradient:values_and_slopes", arguments)
 
 
 def _constraints(design: Design, at: Callable[[Floats], Any]) -> list[dict[str, Any]]:

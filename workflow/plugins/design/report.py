@@ -6,7 +6,7 @@ import math
 import numpy as np
 from matplotlib.figure import Figure
 
-from granchain.parts import Floats, RunDirectory, direction_of, gauge, label, page, references, spacetime, units, watch
+from granchain.parts import Floats, RunDirectory, axes, direction_of, gauge, page, references, spacetime, units, watch
 from workflow.plugins.design.figures import Objective, front_figure, history_figure, members_figure, wall_figure
 from workflow.plugins.design.result import SET_AGAINST, DesignResult
 from workflow.plugins.design.search import RULED_OUT, worth
@@ -69,7 +69,7 @@ def _objective(result: DesignResult) -> Objective:
 
 
 def _label(result: DesignResult, name: str) -> units.Label:
-    return label(name, result.design.scene)
+    return axes.label(name, result.design.scene)
 
 
 def _of_search(result: DesignResult) -> list[page.PageFigure]:

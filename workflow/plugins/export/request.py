@@ -6,7 +6,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from granchain import SweepTable
 from granchain.parts import RunDirectory, Trajectory, analyse, collect, screen
 
 if TYPE_CHECKING:
@@ -75,7 +74,7 @@ class ExportRequest:
         return {name: draw() for name, draw in self._measured[1].items()}
 
     @cached_property
-    def sweep(self) -> SweepTable:
+    def sweep(self) -> collect.SweepTable:
         """Table of the sweep."""
         return collect.collect(self.path)
 

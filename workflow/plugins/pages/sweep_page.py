@@ -33,7 +33,7 @@ from bokeh.models import (
 from bokeh.palettes import Viridis256
 from bokeh.plotting import figure
 
-from granchain import SweepTable
+from granchain.parts import collect
 from workflow.plugins.pages.plots import CHAIN_COLOURS, TICK, TOOLS, choice, label, number
 from workflow.plugins.pages.units import PageUnit
 
@@ -198,7 +198,7 @@ _ONE_COLOUR = ""
 
 
 def layout(
-    table: SweepTable, files: dict[str, list[str]], name: str, directory: str = ""
+    table: collect.SweepTable, files: dict[str, list[str]], name: str, directory: str = ""
 ) -> tuple[Any, tuple[CustomJS, ...]]:
     """A table, and a plot of points or a map; a choice for each varied field filters all of them.
 
@@ -255,7 +255,7 @@ def layout(
     return column(top, grid, sizing_mode="stretch_width"), (choose, keys)
 
 
-def _data(table: SweepTable, files: dict[str, list[str]]) -> dict[str, list[Any]]:
+def _data(table: collect.SweepTable, files: dict[str, list[str]]) -> dict[str, list[Any]]:
     """Columns of the table, the first file of each case, links to all, and whether a case has not settled."""
     data: dict[str, list[Any]] = {key: [_plain(row[key]) for row in table.rows] for key in table.columns}
     data["link"] = [next((f"{case}/{file}" for file in files[case]), "") for case in data["case"]]
@@ -288,7 +288,7 @@ def _name_chosen(drawing: "_Drawing", words: list[str], arguments: dict[str, Any
     source.selected.js_on_change("indices", selected)
 
 
-def points(table: SweepTable, key: str) -> dict[str, list[float]]:
+def points(table: collect.SweepTable, key: str) -> dict[str, list[float]]:
     """A column of a table as points: value, uncertainty, ends of the bar of that (NaN: none), 0 for a hollow mark.
 
     What `granchain collect --plot` does not draw, as cases that are not done, has no value; varied fields always have.
@@ -302,7 +302,7 @@ def points(table: SweepTable, key: str) -> dict[str, list[float]]:
     return {name: column.tolist() for name, column in columns.items()}
 
 
-def _map_axes(table: SweepTable, kinds: dict[str, str]) -> dict[str, dict[str, Any]]:
+def _map_axes(table: collect.SweepTable, kinds: dict[str, str]) -> dict[str, dict[str, Any]]:
     """Fields that can be an axis of a map: kind of the axis, and the ends of each case's cell."""
     axes = {}
     for name in table.fields:
@@ -371,7 +371,7 @@ class _PageChoices:
 
 
 def _choices(
-    table: SweepTable,
+    table: collect.SweepTable,
     data: dict[str, list[Any]],
     numbers: Sequence[str],
     at_first: tuple[str, str],
@@ -404,7 +404,7 @@ def _choices(
     )
 
 
-def _filter(table: SweepTable, key: str, values: list[Any]) -> dict[str, Any]:
+def _filter(table: collect.SweepTable, key: str, values: list[Any]) -> dict[str, Any]:
     """Boxes for the values of a field, or, of many numbers, their least and largest; and the place of each case's."""
     distinct = sorted(
         set(values), key=lambda value: (isinstance(value, str), value or 0) if value is not None else (2,)
@@ -439,7 +439,7 @@ def _anchor(case: str, file: str) -> str:
     return f'<a href="{escape(f"{case}/{file}")}">{escape(Path(file).stem)}</a>'
 
 
-def _columns(table: SweepTable, data: dict[str, list[Any]]) -> list[TableColumn]:
+def _columns(table: collect.SweepTable, data: dict[str, list[Any]]) -> list[TableColumn]:
     """Columns that hold anything, those of the printed table first, as wide as their texts.
 
     Uncertainties stand behind their numbers; a ring marks those of chains that are not settled.
@@ -490,7 +490,7 @@ class _Drawing:
     integers: list[str]
 
 
-def _colours(table: SweepTable, data: dict[str, list[Any]]) -> dict[str, tuple[Any, ColorBar | None]]:
+def _colours(table: collect.SweepTable, data: dict[str, list[Any]]) -> dict[str, tuple[Any, ColorBar | None]]:
     """Colour of the points by a varied field, or by another column of text, and its bar; one colour comes first."""
     colours: dict[str, tuple[Any, ColorBar | None]] = {_ONE_COLOUR: (_BLUE, None)}
     for name in dict.fromkeys((*table.fields, "outcome", "state", "engine")):

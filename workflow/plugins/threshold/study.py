@@ -19,12 +19,11 @@ from typing import TYPE_CHECKING, Any
 from granchain import InputError
 from granchain.parts import (
     Study,
+    axes,
     columns,
     computations,
     evaluate,
     fields,
-    heading,
-    label,
     library,
     options,
     screen,
@@ -236,7 +235,7 @@ def _figure(result: ThresholdResult) -> "Figure":
     from granchain.parts import studies  # matplotlib takes half a second to import
 
     question = result.question
-    quantity, field = label(question.quantity, question.scene), label(question.field, question.scene)
+    quantity, field = axes.label(question.quantity, question.scene), axes.label(question.field, question.scene)
     if question.over.is_numeric and result.thresholds:
         lines: list[tuple[Any, float | None, float | None]] = []
         for over, thresholds in result.by_over().items():
@@ -247,7 +246,7 @@ def _figure(result: ThresholdResult) -> "Figure":
         named = f"${quantity.symbol}$" if quantity.symbol else quantity.words
         comma = "," if field.symbol else ""
         crossing = replace(field, words=f"{field.words} where {named} = {question.level:g}{unit}{comma}")
-        over_field = studies.StudyAxis(label(question.over.name, question.scene), over)
+        over_field = studies.StudyAxis(axes.label(question.over.name, question.scene), over)
         return studies.swept_figure(studies.StudyAxis(crossing, place, error), over_field, title=question.source)
     values = studies.StudyAxis(quantity, studies.floats([point.quantity for point in result.points]))
     over_field = studies.StudyAxis(field, studies.floats([point.value for point in result.points]))
@@ -352,8 +351,8 @@ def question_of(
 def _print(result: ThresholdResult, output: Path) -> None:
     question = result.question
     if result.thresholds:
-        head = [heading(name, question.scene) for name in (question.over.name, question.field) if name]
-        quantity = heading(question.quantity, question.scene)
+        head = [axes.heading(name, question.scene) for name in (question.over.name, question.field) if name]
+        quantity = axes.heading(question.quantity, question.scene)
         screen.print_table(
             f"{screen.one_line(question.source)}: where {quantity} crosses {question.level:g}",
             [*head, "uncertainty", "from", "to", question.quantity, ""],

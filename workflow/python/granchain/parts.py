@@ -62,10 +62,12 @@ if TYPE_CHECKING:
     from lammps_inputs.decks import scene_files as scene_files
     from lammps_inputs.facts import Fact as Fact
     from lammps_inputs.ingredients import registry as registry
+    from lammps_inputs.ingredients import walls as walls
     from lammps_inputs.ingredients.unequal import radii as radii
     from lammps_inputs.laws import dashpot as dashpot
     from lammps_inputs.laws.plastic import restitution_of as restitution_of
     from lammps_inputs.limits import rates as rates
+    from lammps_inputs.limits.closing import THETA_OF_EQ_5 as THETA_OF_EQ_5
     from lammps_inputs.output import Limits as Limits
     from lammps_inputs.output import too_far_apart as too_far_apart
     from lammps_inputs.scene import DEFAULT_ACCURACY as DEFAULT_ACCURACY
@@ -119,11 +121,10 @@ if TYPE_CHECKING:
     from workflow.study_kit.directory import Study as Study
     from workflow.study_kit.directory import csv_text as csv_text
     from workflow.study_kit.kept_run import kept_run as kept_run
+    from workflow.sweep import axes as axes
     from workflow.sweep import collect as collect
     from workflow.sweep import fields as fields
     from workflow.sweep import file_parts as file_parts
-    from workflow.sweep.axes import heading as heading
-    from workflow.sweep.axes import label as label
     from workflow.sweep.run_table import table_of as table_of
     from workflow.verdicts import analyse as analyse
     from workflow.verdicts import analysis_lines as analysis_lines

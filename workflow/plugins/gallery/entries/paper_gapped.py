@@ -14,7 +14,7 @@ from functools import cache
 
 import numpy as np
 
-from granchain.parts import Floats, Integers, Problem, Trajectory, impulses, library, page, physics
+from granchain.parts import THETA_OF_EQ_5, Floats, Integers, Problem, Trajectory, impulses, library, page, physics
 from granchain.parts import engine as reference
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
 from workflow.plugins.gallery.engines_figure import (
@@ -27,9 +27,6 @@ from workflow.plugins.gallery.engines_figure import (
 from workflow.plugins.gallery.entry import Entry, Results, Statements
 from workflow.plugins.rigid import engine as collisions
 from workflow.plugins.rigid import events
-
-THETA_OF_EQ_5 = (math.pi + 2.0) / 4.0
-"""Dimensionless gap of the published eq. 5."""
 
 AGREE = 0.01
 """Relative difference of the chains' impulses up to which they count as equal (the paper: "identical")."""
