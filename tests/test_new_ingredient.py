@@ -39,7 +39,7 @@ class Tether(Ingredient):
 '''
 
 OWED = (
-    "tests/lammps_inputs/test_handbook.py",
+    "tests/plugins/help/test_handbook.py",
     "tests/lammps_inputs/test_schema.py",
     "tests/lammps_inputs/test_library.py",
 )

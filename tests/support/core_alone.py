@@ -85,14 +85,17 @@ def copy_without(names: set[str], copy: Path) -> None:
         if not name.startswith(folders):
             (copy / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / name, copy / name)
-    page = copy / "workflow" / "README.md"
-    text = page.read_text(encoding="utf-8")
-    page.write_text(re.sub(rf"^- \[.*\]\(plugins/({'|'.join(names)})/.*\n", "", text, flags=re.M), encoding="utf-8")
+    any_of = "|".join(names) or "(?!)"  # which matches nothing
+    _drop_lines(copy / "workflow" / "README.md", rf"^- \[.*\]\(plugins/({any_of})/")
     project_file = copy / "pyproject.toml"
-    declared = re.compile(rf'["/]{PLUG_INS.replace("/", "[./]")}[./]({"|".join(names)})\b')
-    lines = project_file.read_text(encoding="utf-8").splitlines(keepends=True)
-    project_file.write_text("".join(line for line in lines if not declared.search(line)), encoding="utf-8")
+    _drop_lines(project_file, rf'["/]{PLUG_INS.replace("/", "[./]")}[./]({any_of})\b')
     write_metadata(project_file, copy)
+
+
+def _drop_lines(path: Path, pattern: str) -> None:
+    """Leave out the lines of a file in which a pattern is found."""
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    path.write_text("".join(line for line in lines if not re.search(pattern, line)), encoding="utf-8")
 
 
 def main(arguments: list[str]) -> int:
