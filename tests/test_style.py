@@ -13,6 +13,7 @@ ROOT = Path(__file__).parents[1]
 
 DOCUMENTED = (
     "workflow/python/granchain",
+    "workflow/interface",
     "workflow/arguments.py",
     "workflow/runs/check.py",
     "workflow/runs/completed_run.py",
@@ -23,6 +24,7 @@ DOCUMENTED = (
     "workflow/plugins/fit/result.py",
     "workflow/plugins/fit/study.py",
     "workflow/plugins/gallery/study.py",
+    "workflow/plugins/pages/function.py",
     "workflow/sweep/collect.py",
     "workflow/sweep/statistics.py",
     "workflow/verdicts/analyse.py",

@@ -188,6 +188,9 @@ def speeds_of_pulses(waves: Waves, pulses: tuple[Pulse, ...], direction: int) ->
         waves: leading waves.
         pulses: those that were followed along the chains.
         direction: 1 if the waves run towards higher bead numbers, else -1.
+
+    Returns:
+        The waves, [wave], with these speeds.
     """
     number = np.full(len(waves), -1)
     for each, pulse in enumerate(pulses):

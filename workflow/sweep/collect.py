@@ -438,6 +438,9 @@ def quantities(
         record: data of ``run.json``.
         scene: plain data of the scene.
         waves: numbers of the kicked chain's leading wave, by bead.
+
+    Returns:
+        Column -> its number or text; None where it is undefined.
     """
     kicked = _kicked(report, scene)
     at_bead = (waves or {}).get(kicked.get("bead", 0), {})

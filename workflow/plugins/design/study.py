@@ -232,6 +232,12 @@ def execute(arguments: argparse.Namespace) -> screen.CommandResult:
 def words(arguments: argparse.Namespace) -> list[str]:
     """Words of the same command in its directory.
 
+    Args:
+        arguments: arguments of the command.
+
+    Returns:
+        Words after ``granchain``.
+
     Raises:
         InputError: the file is no design.
     """

@@ -253,6 +253,12 @@ def execute(arguments: argparse.Namespace) -> screen.CommandResult:
 def words(arguments: argparse.Namespace) -> list[str]:
     """Words of the same command in its directory.
 
+    Args:
+        arguments: arguments of the command.
+
+    Returns:
+        Words after ``granchain``.
+
     Raises:
         InputError: the scene cannot be used.
     """
