@@ -310,12 +310,6 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
 Number = TypeVar("Number", int, Integers)
 
 
-def direction_of(problem: Problem) -> int:
-    """Direction of the largest excitation and the leading pulse: 1 towards higher bead numbers, -1 towards lower."""
-    _, _, excitation = physics.largest_excitation(problem.system)
-    return 1 if excitation > 0.0 else -1
-
-
 def mirrored_bead(problem: Problem, bead: Number) -> Number:
     """Number of a bead in the mirror; twice is the bead itself."""
     return problem.beads + 1 - bead
@@ -323,7 +317,7 @@ def mirrored_bead(problem: Problem, bead: Number) -> Number:
 
 def along_the_way(problem: Problem, bead: Number) -> Number:
     """Number of a bead counted along the leading pulse's way: its own, or that in the mirror."""
-    return bead if direction_of(problem) > 0 else mirrored_bead(problem, bead)
+    return bead if problem.direction > 0 else mirrored_bead(problem, bead)
 
 
 def mirrored_problem(problem: Problem) -> Problem:

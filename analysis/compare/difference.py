@@ -36,6 +36,25 @@ def matched(first: Peaks, second: Peaks, beads: int) -> tuple[Peaks, Peaks]:
 
 
 @dataclass(frozen=True)
+class Uncertainty:
+    """Bounds on the errors of a reference run, dimensionless.
+
+    Attributes:
+        steps_per_frame: steps of the finer run from frame to frame.
+        velocity: the largest error of any velocity, of beads and resonators, is below this, in units of V: the largest
+            difference from the run with half as many steps, times `workflow.engines.reference.step_halving.SAFETY`.
+        arrival: the same bound for arrivals of the leading pulse, in units of T, where `analysis.tracking.peaks.sharp`.
+        energy, momentum: largest deviations from the kicks'.
+    """
+
+    steps_per_frame: int
+    velocity: float
+    arrival: float
+    energy: float
+    momentum: float
+
+
+@dataclass(frozen=True)
 class DeviationPlace:
     """A bead of a chain, or a resonator at it, at a time.
 
