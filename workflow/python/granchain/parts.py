@@ -89,7 +89,6 @@ if TYPE_CHECKING:
     from workflow.engines.reference import kernel_inputs as kernel_inputs
     from workflow.engines.reference import schemes as schemes
     from workflow.engines.reference.step_halving import StepHalving as StepHalving
-    from workflow.engines.reference.step_halving import Uncertainty as Uncertainty
     from workflow.measures import forces as forces
     from workflow.measures import measurement as measurement
     from workflow.measures import plastic as plastic
