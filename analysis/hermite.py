@@ -1,4 +1,16 @@
-"""Polynomials through values and derivatives at equally spaced frames, for many series at once."""
+"""Polynomials through values and derivatives at equally spaced frames, for many series at once.
+
+Plug-ins take this module for what happens between frames: `coefficients` gives the polynomials, `value` and
+`derivative` evaluate them, `falling_zero` finds where they fall through zero, such as the end of a contact.
+
+Examples:
+    >>> import numpy as np
+    >>> from granchain.parts import hermite
+    >>> position, velocity = [1.0, -1.0], [-1.0, -3.0]  # at t = 0 and t = 1
+    >>> through = hermite.coefficients((0, 1), np.array([position, velocity]).T, spacing=1.0)  # [power]
+    >>> hermite.falling_zero(through[:, np.newaxis], np.zeros(1), np.ones(1)).round(6)
+    array([0.618034])
+"""
 
 import functools
 import math

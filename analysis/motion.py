@@ -3,6 +3,19 @@
 All dimensionless. Which links there are, and their laws, is the problem's (`lammps_inputs.links`). Arrays are
 [..., chain, bead] of consecutive beads, which begin with bead ``first``. Where a system has further lines of atoms,
 energy, momentum and acceleration take [..., line, bead], these lines after the chains (`Trajectory.atoms`).
+
+Plug-ins take this module for what the states of a run imply: overlaps and forces of contacts, accelerations, energies
+of beads and of the system. They give it ``problem.system`` and arrays of a `Trajectory`.
+
+Examples:
+    >>> from granchain import load
+    >>> from granchain.parts import engine, motion
+    >>> problem = load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> frames = engine.run(problem)
+    >>> motion.energy(problem.system, frames.displacement, frames.velocity)[[0, 150, 300]].round(6)  # in m V**2
+    array([0.5, 0.5, 0.5])
+    >>> motion.overlaps(problem.system, frames.displacement)[100, 0, 5:11].round(3)  # of contacts 6 to 11, in L
+    array([-0.003,  0.164,  0.7  ,  0.442,  0.039,  0.   ])
 """
 
 from typing import Any

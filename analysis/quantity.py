@@ -19,6 +19,19 @@ A field that `computed` declares is computed when it is first needed, by a funct
         last: float = computed("time of the last passage", "time", of=lambda passages: passages.waves.time[-1])
 
 Their values are dimensionless where the unit is one of the scene's, and converted in `in_units`, once.
+
+Plug-ins take this module for what they measure: `result` and `declare` for the class, `plain` for JSON, `csv_of` and
+`headings` for tables, `declared` for what its fields mean.
+
+Examples:
+    >>> from granchain.parts import quantity, units
+    >>> @quantity.result
+    ... class Passage:
+    ...     time: float = quantity.declare("time of the passage", "time", "the pulse stopped before", symbol="t")
+    >>> quantity.plain(Passage(2.0), units.Scale(mass=0.01, length=1e-6, velocity=0.5, si=True))  # in SI
+    {'time': 4e-06}
+    >>> quantity.declared(Passage)["time"][0].undefined
+    'the pulse stopped before'
 """
 
 import csv
@@ -151,7 +164,23 @@ def derived(unit: str = "", undefined: str = "", symbol: str = "", column: str |
 
 @dataclass_transform(frozen_default=True, field_specifiers=(declare, computed, field))
 def result(kind: type[Kind]) -> type[Kind]:
-    """A frozen dataclass whose fields declare what they hold."""
+    """Make a class a frozen dataclass whose fields declare what they hold.
+
+    Args:
+        kind: class whose fields are made by `declare` or `computed`; other fields are no quantities.
+
+    Returns:
+        The dataclass; fields of `computed` are computed when they are first needed.
+
+    Examples:
+        >>> from granchain.parts import quantity, result
+        >>> @result
+        ... class Passages:
+        ...     times: tuple[float, ...]
+        ...     last: float = quantity.computed("time of the last passage", "time", of=lambda run: run.times[-1])
+        >>> Passages((1.5, 2.0)).last
+        2.0
+    """
     made = dataclass(frozen=True)(kind)
     for member in fields(made):  # type: ignore[arg-type]
         if _COMPUTED in member.metadata:

@@ -1,4 +1,13 @@
-"""A trajectory: what every engine returns and every analysis reads, dimensionless and in float64."""
+"""A trajectory: what every engine returns and every analysis reads, dimensionless and in float64.
+
+Examples in this package analyse a short run of the reference integrator.
+
+Examples:
+    >>> from granchain import load
+    >>> from granchain.parts import engine
+    >>> engine.run(load("one-chain", {"beads": 20, "duration": 30.0}).problem())
+    <trajectory of one-chain: 301 frames of 1 x 20 beads, to t = 30 T, in units of T, L and V>
+"""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, fields, replace
@@ -11,8 +20,39 @@ from numpy.typing import NDArray
 from lammps_inputs import Problem, System, physics
 
 Floats = NDArray[np.float64]
+"""Array of float64; the docstring of a function or field has its shape and unit.
+
+Examples:
+    >>> import numpy as np
+    >>> from granchain.parts import Floats
+    >>> def kinetic_energy(velocity: Floats) -> Floats:
+    ...     "Kinetic energy of beads of mass m, [bead] in units of m V**2, at velocities [bead] in units of V."
+    ...     return 0.5 * velocity**2
+    >>> kinetic_energy(np.array([1.0, 0.5]))
+    array([0.5  , 0.125])
+"""
+
 Integers = NDArray[np.int64]
+"""Array of int64, such as numbers of beads, counted from 1, or positions along an axis, counted from 0.
+
+Examples:
+    >>> import numpy as np
+    >>> from granchain.parts import Integers
+    >>> beads: Integers = np.array([10, 20])  # numbers
+    >>> beads - 1  # their positions
+    array([ 9, 19])
+"""
+
 Flags = NDArray[np.bool_]
+"""Array of true and false, such as a mask of beads or frames.
+
+Examples:
+    >>> import numpy as np
+    >>> from granchain.parts import Flags
+    >>> moving: Flags = np.array([0.7, 1e-6, 0.0]) > 1e-3  # [bead]
+    >>> moving
+    array([ True, False, False])
+"""
 
 BLOCK_BYTES = 1 << 22
 LEAST_FRAMES = 8
@@ -22,7 +62,20 @@ EXCHANGES = ("along", "across", "ground", "walls", "energy_input")
 
 
 def frames_per_block(problem: Problem) -> int:
-    """Frames in one piece of a long trajectory: about 4 MB, or at least 8; by 1 MB an analysis takes a fifth longer."""
+    """Frames in one piece of a long trajectory: about 4 MB, or at least 8; by 1 MB an analysis takes a fifth longer.
+
+    Args:
+        problem: problem whose frames are read or made piece by piece.
+
+    Returns:
+        Number of frames.
+
+    Examples:
+        >>> from granchain import load
+        >>> from granchain.parts import frames_per_block
+        >>> [frames_per_block(load(name).problem()) for name in ("one-chain", "two-chains")]
+        [2184, 1092]
+    """
     return max(LEAST_FRAMES, BLOCK_BYTES // (16 * problem.chains * problem.rows_a_frame))
 
 
@@ -63,6 +116,17 @@ class Trajectory:
             a file holds not all beads.
         further_lines: [frame, 2, line, bead] displacement and velocity of lines of atoms that are no beads, 0 where
             there is none; None where they were not recorded.
+
+    Examples:
+        >>> from granchain import load
+        >>> from granchain.parts import engine
+        >>> frames = engine.run(load("one-chain", {"beads": 20, "duration": 30.0}).problem())
+        >>> frames.velocity.shape  # [frame, chain, bead]
+        (301, 1, 20)
+        >>> frames[-2:].time, frames.velocity[-2:, 0, frames.bead(20)].round(3)  # in units of T and V
+        (array([29.9, 30. ]), array([0.986, 0.986]))
+        >>> frames.problem.chains, frames.problem.every  # with all that was computed
+        (1, 0.1)
     """
 
     problem: Problem
@@ -288,6 +352,13 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
 
     Raises:
         ValueError: there is no block.
+
+    Examples:
+        >>> from granchain import load
+        >>> from granchain.parts import engine, joined
+        >>> frames = engine.run(load("one-chain", {"beads": 20, "duration": 30.0}).problem())
+        >>> joined([frames[:100], frames[100:]]).frames
+        301
     """
     parts = list(blocks)
     if not parts:
@@ -311,7 +382,20 @@ Number = TypeVar("Number", int, Integers)
 
 
 def direction_of(problem: Problem) -> int:
-    """Direction of the largest excitation and the leading pulse: 1 towards higher bead numbers, -1 towards lower."""
+    """Direction of the largest excitation and the leading pulse: 1 towards higher bead numbers, -1 towards lower.
+
+    Args:
+        problem: problem with a kick, push, drive or striker.
+
+    Returns:
+        The direction, 1 or -1.
+
+    Examples:
+        >>> from granchain import load
+        >>> from granchain.parts import direction_of
+        >>> direction_of(load("one-chain", {"kick.bead": 120, "kick.velocity": -1.0}).problem())
+        -1
+    """
     _, _, excitation = physics.largest_excitation(problem.system)
     return 1 if excitation > 0.0 else -1
 
@@ -373,7 +457,23 @@ AnyWatcher = TypeVar("AnyWatcher", bound=Watcher)
 
 
 def watch(watcher: AnyWatcher, blocks: Iterable[Trajectory]) -> AnyWatcher:
-    """A watcher that has been shown all blocks."""
+    """Show a run to a watcher, block by block.
+
+    Args:
+        watcher: object whose ``add(block)`` takes the next frames, such as a meter or a finder.
+        blocks: consecutive frames.
+
+    Returns:
+        The watcher.
+
+    Examples:
+        >>> from granchain import load
+        >>> from granchain.parts import engine, peaks, watch
+        >>> frames = engine.run(load("one-chain", {"beads": 20, "duration": 30.0}).problem())
+        >>> passages = watch(peaks.PeakFinder(first_only=True), frames.blocks()).result()
+        >>> passages.velocity[17:].round(3)  # first maximum of each bead, in units of V
+        array([0.682, 0.682, 0.986])
+    """
     for block in blocks:
         watcher.add(block)
     return watcher

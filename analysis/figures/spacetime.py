@@ -1,4 +1,18 @@
-"""Velocity in space and time, and what is kept of a run to draw it."""
+"""Velocity in space and time, and what is kept of a run to draw it.
+
+Plug-ins take this module to draw maps: `SpaceTime` collects the velocities of a run, `spacetime_figure` draws them,
+`draw_maps` draws them into a figure of theirs, with `panels` for its shape; `RootScale` is the scale of the colours.
+
+Examples:
+    >>> from granchain import load
+    >>> from granchain.parts import engine, spacetime, watch
+    >>> problem = load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> frames = engine.run(problem)
+    >>> data = watch(spacetime.SpaceTime(problem), frames.blocks())
+    >>> spacetime.RootScale.of(problem, data.beads, data.velocity[:, 0]).ticks  # in units of V
+    [-0.5, -0.2, -0.05, 0.0, 0.05, 0.2, 0.5]
+    >>> spacetime.spacetime_figure(data).savefig(tmp / "map.png", dpi=30)
+"""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,16 @@
-"""Figures of many runs: a quantity over one or two swept fields, and its histogram."""
+"""Figures of many runs: a quantity over one or two swept fields, and its histogram.
+
+Plug-ins take this module to draw what a study has computed: a `StudyAxis` is a column of numbers with its label and
+uncertainties, `swept_figure` draws curves and `map_figure` a map; `Sought` marks a value.
+
+Examples:
+    >>> from granchain.parts import studies, units
+    >>> coupling = studies.StudyAxis(units.Label("coupling", "k"), studies.floats([0.1, 0.2, 0.4]))
+    >>> beads = studies.StudyAxis(units.Label("beads until the pulses agree"), studies.floats([58, 29, None]))
+    >>> studies.swept_figure(beads, coupling, title="two chains").savefig(tmp / "study.png", dpi=30)
+    >>> beads.values, coupling.logarithmic
+    (array([58., 29., nan]), True)
+"""
 
 import math
 import re

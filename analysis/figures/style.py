@@ -1,4 +1,24 @@
-"""What all figures share: colours, dashes, sizes, labels, units, and how one becomes the content of a file."""
+"""What all figures share: colours, dashes, sizes, labels, units, and how one becomes the content of a file.
+
+Plug-ins take this module so that their figures look like the others: a function that draws is `styled`, begins with
+`new_figure`, takes colours from `CHAIN_COLOURS` and units from `axis_unit`, and ends with `letter`, `head` and
+`legend_below`. `title` names a run, `picture` gives the content of a file.
+
+Examples:
+    >>> from granchain import load
+    >>> from granchain.parts import style
+    >>> problem = load("one-chain").problem()
+    >>> @style.styled
+    ... def speeds(beads, values):
+    ...     figure = style.new_figure(2.5, 4.0)
+    ...     figure.subplots().plot(beads, values, color=style.CHAIN_COLOURS[0])
+    ...     style.head(figure, style.title(problem))
+    ...     return figure
+    >>> style.picture(speeds([10, 20], [0.62, 0.58]), "png", dpi=30)[1:4]
+    b'PNG'
+    >>> style.title(problem)
+    'one-chain: 1 chain of 120 beads, $V$ = 1'
+"""
 
 import functools
 import io

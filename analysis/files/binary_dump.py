@@ -62,6 +62,17 @@ class BinaryDump:
         columns: names of the columns, such as ``("id", "x", "vx")``.
         ids: [atom], ascending; the order of atoms in everything that is read.
         cut: whether the file ends within a frame, which is left out.
+
+    Examples:
+        >>> import numpy as np
+        >>> from granchain import load
+        >>> from granchain.parts import BinaryDump, recording
+        >>> problem = load("one-chain", {"beads": 20, "duration": 30.0, "timestep": 0.05}).problem()
+        >>> with recording.Writer(tmp / "dump.bin", problem) as writer:
+        ...     writer.append(0, np.zeros((1, 20)), np.eye(1, 20))
+        >>> dump = BinaryDump(tmp / "dump.bin")
+        >>> dump.columns, dump.read(columns=["vx"]).shape  # [frame, column, atom]
+        (('id', 'x', 'vx'), (1, 1, 20))
     """
 
     def __init__(self, path: Path | str) -> None:

@@ -2,6 +2,19 @@
 
 Maps atoms to beads: atom = (chain - 1) * beads + bead, and where it rests. The file format is in
 `binary_dump`.
+
+Plug-ins take this module for dumps of LAMMPS: `blocks` and `read` read those of a problem, `Writer` writes one,
+`all_ids` has the numbers of its atoms.
+
+Examples:
+    >>> import numpy as np
+    >>> from granchain import load
+    >>> from granchain.parts import recording
+    >>> problem = load("one-chain", {"beads": 20, "duration": 30.0, "timestep": 0.05}).problem()
+    >>> with recording.Writer(tmp / "dump.bin", problem) as writer:
+    ...     writer.append(0, np.zeros((1, 20)), np.eye(1, 20))  # [line, bead] in units of L and V
+    >>> recording.read([tmp / "dump.bin"], problem).velocity[0, 0, :3]
+    array([1., 0., 0.])
 """
 
 import warnings

@@ -1,4 +1,19 @@
-"""Traces of forces and motions as they would have been measured in a run."""
+"""Traces of forces and motions as they would have been measured in a run.
+
+Plug-ins take this module to compare a run with data: `check` refuses channels that a scene has not, `beads_of` has the
+beads to record, `read` and `read_at` give the traces. Channels are those of `analysis.files.traces`.
+
+Examples:
+    >>> from granchain import load
+    >>> from granchain.parts import channels, engine, traces
+    >>> problem = load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> frames = engine.run(problem)
+    >>> chosen = (traces.Channel("velocity", chain=1, bead=5), traces.Channel("contact", chain=1, bead=5))
+    >>> channels.beads_of(chosen, problem)
+    (5, 6)
+    >>> channels.read(frames, chosen)[55].round(3)  # at t = 5.5 T, in units of V and m V / T
+    array([0.69 , 0.437])
+"""
 
 from pathlib import Path
 

@@ -4,6 +4,19 @@ The force of a damped contact is all of it, that of its dashpot included, at the
 the moment of their positions. (LAMMPS itself takes the dashpot's at velocities of half a step before.)
 
 Between frames: the force of a contact (`ContactCurve`), its integral and maximum; the maximum and crossings of samples.
+
+Plug-ins take this module for forces: `gauges` chooses places of a system, `at_frames` reads their forces.
+
+Examples:
+    >>> from granchain import load
+    >>> from granchain.parts import engine, gauge
+    >>> problem = load("one-chain", {"beads": 20, "duration": 30.0, "walls": {"right": "bead"}}).problem()
+    >>> frames = engine.run(problem)
+    >>> chosen = gauge.gauges(problem.system, wall=True, contacts=(10,))
+    >>> [each.name for each in chosen]
+    ['right wall', 'contact 10']
+    >>> gauge.at_frames(frames, chosen).max(axis=0).round(2)  # [chain, gauge] in m V / T
+    array([[1.12, 0.64]])
 """
 
 import itertools

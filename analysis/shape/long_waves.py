@@ -8,6 +8,18 @@
 
 The theory takes the chain for a continuum; the waves of the discrete one are faster, by 1.0004 at a ratio of 1.955 and
 by 1.0085 at 67.7.
+
+Plug-ins take this module for loaded chains: `sound_speed` at every bead, `speed_over_sound` of a pulse of some force,
+and `cell_beads`, the number of beads after which a chain repeats.
+
+Examples:
+    >>> from granchain import load
+    >>> from granchain.parts import long_waves
+    >>> system = load("precompressed").system
+    >>> long_waves.sound_speed(system)[0, 10:12].round(4)  # of chain 1 at beads 11 and 12, in beads / T
+    array([1.2393, 1.2393])
+    >>> round(float(long_waves.speed_over_sound(2.0)), 4), long_waves.cell_beads(system)
+    (1.0449, 1)
 """
 
 import functools

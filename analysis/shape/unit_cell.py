@@ -3,6 +3,18 @@
 Small motions about rest are those of a lattice of springs, ``omega = 2 sqrt(k / m) |sin(q / 2)|`` for equal beads;
 two alternating beads have bands with the edges ``2 k / M``, ``2 k / m`` and ``2 k (1 / m + 1 / M)`` (of omega squared;
 Brillouin, Wave Propagation in Periodic Structures, 1946).
+
+Plug-ins take this module for small waves in loaded chains: `bands` has the frequencies at which they pass, `cell_of`
+the `UnitCell`, with branches and modes at any wavenumber, or a `NoDispersionError` that says why there is none.
+
+Examples:
+    >>> from granchain import load
+    >>> from granchain.parts import unit_cell
+    >>> system = load("precompressed").system
+    >>> unit_cell.bands(system).round(3)  # [branch, 2] in 1 / T
+    array([[0.   , 2.479]])
+    >>> unit_cell.bands(load("one-chain").system) is None  # without a load there is no sound
+    True
 """
 
 import itertools

@@ -10,6 +10,20 @@ its neighbours in the other chains, so that the peak velocities of a row level o
 
 The error of those of frames follows from the momentum of all beads ahead, which grows by what passes a row (springs are
 within a row and cancel): `Impulses.imbalance`.
+
+Plug-ins take this module for impulses of contacts: `measure` reads them from frames, an engine of rigid beads makes
+`Impulses` itself, `relative_difference` compares the chains.
+
+Examples:
+    >>> from granchain import load
+    >>> from granchain.parts import engine, impulses
+    >>> problem = load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> frames = engine.run(problem)
+    >>> received = impulses.measure(problem, frames.blocks())
+    >>> received.bead[:3], received.first[0, :3].round(3)  # of chain 1, in m V
+    (array([2, 3, 4]), array([1.071, 1.101, 1.117]))
+    >>> received.contacts[0, -2:]  # of beads 19 and 20
+    array([1, 1])
 """
 
 from collections.abc import Iterable
