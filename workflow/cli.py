@@ -1,6 +1,18 @@
 """The command ``granchain``: parses, calls one command, and turns errors into one line and an exit code.
 
 Exit codes: 0 done, 1 a run or a check failed, 2 bad input, 130 interrupted.
+
+Plug-ins take this module for commands as a whole, such as help and completion in shells: `COMMANDS` has their names,
+those of plug-ins included, `summary_of` a line on each, `parser` their options; `main` runs one.
+
+Examples:
+    >>> from granchain.parts import cli
+    >>> cli.summary_of("analyze")
+    'Find the pulses in a run, measure them and draw them.'
+    >>> cli.parser(["analyze"]).parse_args(["analyze", "demo", "--no-figures"]).no_figures
+    True
+    >>> cli.main(["run", "no-such-scene", "-o", str(tmp / "out")])  # prints one line to standard error
+    2
 """
 
 import argparse

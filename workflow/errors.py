@@ -1,4 +1,15 @@
-"""Errors of runs that are no bad input, and how a process ended, in words."""
+"""Errors of runs that are no bad input, and how a process ended, in words.
+
+Plug-ins take this module to report programs that they started: `how_it_ended` says how a process ended, `complaint`
+what it printed before, `first_line` what an error of LAMMPS says.
+
+Examples:
+    >>> from granchain.parts import errors
+    >>> errors.how_it_ended(-9)
+    'was killed by signal SIGKILL'
+    >>> errors.complaint(["Traceback (most recent call last):", "  ...", "MemoryError: 8 GB"])
+    'MemoryError: 8 GB'
+"""
 
 import signal
 from collections.abc import Iterable

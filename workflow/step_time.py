@@ -3,6 +3,16 @@
 A step takes a fixed time, a time for every bead of a rank, and with more than one rank a time for messages. Times were
 measured on one core with 100 to a million beads, except where a comment says that they are assumed. What formulas take
 that LAMMPS evaluates follows from their text in the deck, whatever law they spell.
+
+Plug-ins take this module to plan runs on clusters: `step_seconds` and `frame_seconds` give the parts of the time of a
+run, `bead_seconds` that of a bead alone, `MESSAGES` that of messages between ranks.
+
+Examples:
+    >>> from granchain import load
+    >>> from granchain.parts import step_time
+    >>> fixed, bead = step_time.step_seconds(load("two-chains").problem())
+    >>> f"{fixed:.1e} s a step, and {bead:.1e} s for each bead of a rank"
+    '1.5e-06 s a step, and 2.0e-08 s for each bead of a rank'
 """
 
 import re

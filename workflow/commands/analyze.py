@@ -1,4 +1,18 @@
-"""Find the pulses in a run, measure them and draw them."""
+"""Find the pulses in a run, measure them and draw them.
+
+Plug-ins take this module to add to the command: `analysis_of` makes its analysis, `report` prints it, with further
+tables.
+
+Examples:
+    >>> import argparse
+    >>> import granchain
+    >>> from granchain.parts import analyze
+    >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
+    >>> done = granchain.run(scene, tmp / "run", engine="reference")
+    >>> arguments = argparse.Namespace(directory=tmp / "run", beads=None, no_figures=True, arrival=None)
+    >>> analyze.analysis_of(arguments)
+    <analysis of one-chain: 1 pulse was tracked>
+"""
 
 import argparse
 import json

@@ -2,6 +2,19 @@
 
 A quantity joins by its declaration (`analysis.quantity`) with a column. That of a column of ``waves.csv`` is a quantity
 at a bead: of the kicked chain's leading wave at the last clear bead, and with ``@100`` behind its name at bead 100.
+
+Plug-ins take this module for names that users give: `refuse_unknown` refuses what is no quantity, `column_called` has
+the label and unit of one, `KNOWN` are those that `evaluate` computes in memory.
+
+Examples:
+    >>> from granchain.parts import columns
+    >>> column = columns.column_called("peak_velocity@100")
+    >>> column.label, column.unit(si=True)
+    ('peak velocity at bead 100', 'm/s')
+    >>> columns.refuse_unknown("peak_velocty", "--quantity", "quantity")
+    Traceback (most recent call last):
+        ...
+    lammps_inputs.errors.InputError: --quantity: 'peak_velocty' is no quantity (did you mean `peak_velocity`?)
 """
 
 from dataclasses import replace

@@ -2,6 +2,17 @@
 
 They come from the declarations that ``analysis.json`` is written from. An uncertainty covers the time between frames
 alone, as the error of such a run is not measured.
+
+Plug-ins take this module for numbers by name: `of_scene` runs a scene, `of_frames` measures frames, `case` is a
+computation of a study in a worker process.
+
+Examples:
+    >>> from granchain import load
+    >>> from granchain.parts import evaluate
+    >>> scene = load("one-chain", {"beads": 20, "duration": 30.0})
+    >>> numbers = evaluate.of_scene(scene.plain(), ("peak_velocity@10", "speed", "beat_length"), "scene")
+    >>> {name: value if value is None else round(value, 3) for name, value in numbers.items()}
+    {'peak_velocity@10': 0.682, 'speed': 0.841, 'beat_length': None}
 """
 
 import json
@@ -151,7 +162,24 @@ class _MeasuredRun:
 
 
 def case(plain: dict[str, Any], names: Sequence[str], source: str, masses: Masses = NO_LIMIT) -> Computation:
-    """`evaluated` for the worker pool, under the key of what it computes."""
+    """Computation of quantities of a scene, for a worker process, under the key of what it computes.
+
+    Args:
+        plain: plain data of the scene.
+        names: names of the quantities.
+        source: what to call the scene in messages.
+        masses: least and largest mass of all beads, in the scene's units; beyond them nothing is run.
+
+    Returns:
+        The computation; its value is that of `evaluated`.
+
+    Examples:
+        >>> from granchain import load
+        >>> from granchain.parts import case
+        >>> computation = case(load("one-chain").plain(), ["speed"], "scene")
+        >>> computation.task.function
+        'workflow.quantities.evaluate:evaluated'
+    """
     limits = {} if masses == NO_LIMIT else {"masses": masses}
     return computation(f"{__name__}:evaluated", {"plain": plain, "names": tuple(names), "source": source, **limits})
 

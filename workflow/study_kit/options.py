@@ -1,4 +1,21 @@
-"""Options that commands of several studies have, and the end of such a command where it is interrupted."""
+"""Options that commands of several studies have, and the end of such a command where it is interrupted.
+
+Plug-ins take this module for their commands: `add_output` and `add_jobs` add options, `within` and `listed` are types
+of numbers, `split`, `both_ends` and `second_field` read words, `interrupted` is the result after Ctrl-C.
+
+Examples:
+    >>> import argparse
+    >>> from granchain.parts import options
+    >>> parser = argparse.ArgumentParser()
+    >>> options.add_output(parser)
+    >>> _ = parser.add_argument("--rows", type=options.within(int, 1, 100), default=10)
+    >>> parser.parse_args(["-o", "out", "--rows", "20"]).rows
+    20
+    >>> options.split("beat_length = 20", "--where", "beat_length=20")
+    ('beat_length', '20')
+    >>> options.second_field("chains=2,3,4").values
+    (2, 3, 4)
+"""
 
 import argparse
 import contextlib

@@ -1,4 +1,15 @@
-"""A self-contained HTML page of tables and figures."""
+"""A self-contained HTML page of tables and figures.
+
+Plug-ins take this module for reports of studies: `drawn` makes a figure a `PageFigure`, `shown` and `table` are parts
+of a body, `document` is the page.
+
+Examples:
+    >>> from granchain.parts import page
+    >>> body = page.table(["kappa", "amplitude"], [["0.1", "0.341"]])
+    >>> _ = (tmp / "report.html").write_text(page.document("Scan", "Amplitudes.", body, cited=["nesterenko1983"]))
+    >>> body.partition("<tr>")[2]
+    '<th>kappa</th><th>amplitude</th></tr><tr><td>0.1</td><td>0.341</td></tr></table></div>'
+"""
 
 import base64
 import html

@@ -1,4 +1,17 @@
-"""Headings and labels of what a table or an axis shows: fields of a scene, and its quantities."""
+"""Headings and labels of what a table or an axis shows: fields of a scene, and its quantities.
+
+Plug-ins take this module for tables and figures over fields or quantities by name: `heading` for a table, `label` for
+an axis or a page.
+
+Examples:
+    >>> from granchain import load
+    >>> from granchain.parts import axes
+    >>> scene = load("two-chains-steel").plain()
+    >>> axes.heading("coupling.stiffness", scene), axes.heading("peak_velocity@50", scene)
+    ('coupling.stiffness (N/m)', 'peak_velocity@50 (m/s)')
+    >>> axes.label("kick.velocity", scene).plain
+    'kick velocity (m/s)'
+"""
 
 from typing import Any
 

@@ -1,4 +1,17 @@
-"""The table of a sweep: its columns, with names, units and numbers; gathered from its cases, and drawn over fields."""
+"""The table of a sweep: its columns, with names, units and numbers; gathered from its cases, and drawn over fields.
+
+Plug-ins take this module for tables of sweeps: `collect` gathers the cases below a directory into a `SweepTable`.
+
+Examples:
+    >>> import granchain
+    >>> from granchain.parts import collect
+    >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
+    >>> done = granchain.run(scene, tmp / "runs" / "first", engine="reference")
+    >>> waves = granchain.analyze(done).waves
+    >>> table = collect.collect(tmp / "runs", ["peak_velocity@10"])
+    >>> table.numbers("peak_velocity@10").round(3)  # [case]
+    array([0.682])
+"""
 
 import contextlib
 import csv

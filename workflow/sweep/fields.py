@@ -1,5 +1,22 @@
 """Fields of a scene by dotted path: ``coupling.stiffness``, ``kick.velocity``, ``kick[2].bead``,
 ``kinds.light.mass``.
+
+Plug-ins take this module for fields that users name: `parse` reads a path, or says which field may have been meant,
+`look_up` and `put_all` read and set values in plain data of a scene, `unit`, `label` and `bounds` describe a field.
+
+Examples:
+    >>> from granchain import load
+    >>> from granchain.parts import fields
+    >>> scene = load("two-chains").plain()
+    >>> path = fields.parse("coupling.stiffness", scene)
+    >>> fields.look_up(scene, path), fields.label(path, scene).plain
+    (0.1, 'coupling stiffness k (reduced)')
+    >>> fields.put_all(scene, {"coupling.stiffness": 0.2})["coupling"]
+    {'model': 'linear', 'stiffness': 0.2}
+    >>> fields.parse("coupling.stifness", scene)
+    Traceback (most recent call last):
+        ...
+    lammps_inputs.errors.InputError: a scene has no field 'coupling.stifness' (did you mean `coupling.stiffness`?)
 """
 
 import difflib

@@ -1,4 +1,19 @@
-"""Analyse a run directory: ``waves.csv``, ``analysis.json`` and the figures beside the frames, which are read twice."""
+"""Analyse a run directory: ``waves.csv``, ``analysis.json`` and the figures beside the frames, which are read twice.
+
+Plug-ins take this module for the analysis of a run: `measure` writes nothing, `analyse` writes it beside the frames,
+`default_beads` are those whose velocity is drawn, `figures_in` the figures that were drawn.
+
+Examples:
+    >>> import granchain
+    >>> from granchain.parts import analyse
+    >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
+    >>> done = granchain.run(scene, tmp / "run", engine="reference")
+    >>> measured = analyse.measure(done.directory, figures=False)
+    >>> measured.survey.waves.at(15).peak_velocity.round(3), sorted(measured.tables)  # in units of V
+    (array([0.682]), ['waves.csv'])
+    >>> analyse.default_beads(done.directory.problem)
+    (4, 11, 18)
+"""
 
 import math
 import warnings

@@ -1,4 +1,17 @@
-"""Compare a run with an accurate reference, quantity by quantity."""
+"""Compare a run with an accurate reference, quantity by quantity.
+
+Plug-ins take this module for comparisons: a `Validation` is the result of one, `TOLERANCES` are the largest errors let
+pass.
+
+Examples:
+    >>> from granchain import load
+    >>> from granchain.parts import difference, engine, validate
+    >>> problem = load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> frames = engine.run(problem)
+    >>> errors = difference.errors_of(frames.blocks(), frames.blocks())
+    >>> validate.Validation(problem, "itself", errors, validate.TOLERANCES, frames.frames, frames.frames)
+    <validation of one-chain against itself: passed>
+"""
 
 import math
 from collections.abc import Iterable

@@ -1,4 +1,14 @@
-"""Compare two runs of one scene: bitwise, and quantity by quantity, with what they were computed with."""
+"""Compare two runs of one scene: bitwise, and quantity by quantity, with what they were computed with.
+
+Plug-ins take this module to compare two runs: `compare_runs` gives the `Validation`, `compared_pairs` the frames that
+were compared, `scene_changes` the fields in which two scenes differ.
+
+Examples:
+    >>> from granchain import load
+    >>> from granchain.parts import validate_run
+    >>> validate_run.scene_changes(load("two-chains"), load("two-chains-strong"))
+    {'coupling.stiffness': ('0.1', '0.5')}
+"""
 
 import math
 import warnings

@@ -2,6 +2,17 @@
 
 A case is a function's name and its arguments as plain data (`Task`), under the key that its value is kept by. A study
 that plans its cases in advance calls `evaluate` or `values` once; a search calls it for each generation, with one pool.
+
+Plug-ins take this module for the cases of studies: `case` makes a `Computation` of a function and its arguments,
+`key_of` a key of plain data; `Study.evaluating` computes them, or `evaluate` without a directory.
+
+Examples:
+    >>> from granchain.parts import computations
+    >>> cases = [computations.case("statistics:fmean", {"data": data}) for data in ([1.0, 2.0], [3.0, 5.0])]
+    >>> computations.values(cases)  # each in a worker process
+    [1.5, 4.0]
+    >>> cases[0].key == computations.key_of({"data": [1.0, 2.0]})
+    True
 """
 
 import contextlib
