@@ -16,7 +16,14 @@ from collections.abc import Iterable
 
 
 class RunError(RuntimeError):
-    """A run that could not be finished or a result that is not right; its text is one line (exit code 1)."""
+    """A run that could not be finished or a result that is not right; its text is one line (exit code 1).
+
+    Examples:
+        >>> raise granchain.RunError("LAMMPS was killed by signal SIGKILL")
+        Traceback (most recent call last):
+            ...
+        workflow.errors.RunError: LAMMPS was killed by signal SIGKILL
+    """
 
     def __init__(self, message: str) -> None:
         one_line = " ".join(message.split())

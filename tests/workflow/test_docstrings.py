@@ -91,6 +91,11 @@ def test_every_function_and_what_results_have_is_shown_by_an_example():
     assert shown - set(EXAMPLES) == {"SweepTable.pandas", "WavesTable.pandas", "Run.dataset"}
 
 
+def test_every_class_of_the_module_has_an_example():
+    classes = {kind.__name__ for name in granchain.__all__ if inspect.isclass(kind := getattr(granchain, name))}
+    assert classes - set(EXAMPLES) == set()
+
+
 def public(kind):
     """Names of the methods and properties that a class defines."""
     made = {name: value for name, value in vars(kind).items() if not name.startswith("_")}

@@ -81,6 +81,11 @@ class SweepTable:
         labels: words, symbol and unit of the fields.
         bands: case -> lowest and highest frequencies at which small waves pass, [[low, high], ...]; where known.
         at_beads: columns of the leading wave at chosen beads, such as ``peak_velocity@100``.
+
+    Examples:
+        >>> table = granchain.collect("swept")
+        >>> [(row["kick.velocity"], row["outcome"]) for row in table.rows]
+        [(1.0, 'done'), (2.0, 'done')]
     """
 
     fields: list[str]

@@ -84,6 +84,13 @@ class Analysis:
         derivatives: of quantities by fields of the scene, where they were asked for; records with ``quantity``,
             ``field``, ``value``, ``derivative``, ``uncertainty``, ``unit`` and ``relative``.
         error: measured error of the run, which the uncertainties cover.
+
+    Examples:
+        >>> analysis = granchain.analyze("out")
+        >>> analysis.complete, analysis.tables
+        (True, ('waves.csv',))
+        >>> analysis.survey.pulses[0].direction, analysis.conservation.energy_drift < 1e-4
+        (1, True)
     """
 
     problem: Problem

@@ -100,6 +100,11 @@ class Validation:
         interpolation: bounds on the errors of (displacement, velocity) that interpolating between frames added; None if
             that was not needed.
         runs: how the run differs from another one; None where it was not compared with one.
+
+    Examples:
+        >>> comparison = granchain.validate("out")
+        >>> comparison.deviations["velocity"].largest < comparison.tolerances["velocity"], comparison.causes
+        (True, ())
     """
 
     problem: Problem
