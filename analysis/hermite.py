@@ -65,7 +65,15 @@ def derivative(polynomials: Floats) -> Floats:
 
 
 def value(polynomials: Floats, s: Floats) -> Floats:
-    """Values of polynomials [power, ...] at s = t / spacing, of the trailing shape."""
+    """Values of polynomials.
+
+    Args:
+        polynomials: [power, ...] coefficients, of `coefficients` or `derivative`.
+        s: [...] times over the spacing.
+
+    Returns:
+        [...] in the unit of the coefficients.
+    """
     result = np.zeros_like(s)
     for coefficient in polynomials[::-1]:
         result = result * s + coefficient
@@ -78,9 +86,14 @@ def integral(polynomials: Floats, s: Floats) -> Floats:
 
 
 def falling_zero(polynomials: Floats, low: Floats, high: Floats) -> Floats:
-    """Place s at which each polynomial [power, ...] falls through zero, by bisection between low and high, each [...].
+    """Place at which each polynomial falls through zero, by bisection.
 
-    Polynomials are positive at low, and not at high.
+    Args:
+        polynomials: [power, ...] coefficients; values are positive at low, and not at high.
+        low, high: [...] times over the spacing.
+
+    Returns:
+        [...] times over the spacing.
     """
     return change(lambda s: value(polynomials, s) > 0.0, np.True_, low, high)
 

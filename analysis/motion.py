@@ -28,7 +28,16 @@ from lammps_inputs.links import Link, partners
 
 
 def overlaps(system: System, displacement: Floats, first: int = 1) -> Floats:
-    """Overlap of each bead with the next of its chain, [..., chain, bead - 1]; negative where they are apart."""
+    """Overlap of each bead with the next of its chain; negative where they are apart.
+
+    Args:
+        system: masses and links.
+        displacement: [..., chain, bead] in units of L, of consecutive beads.
+        first: number of the first of these beads.
+
+    Returns:
+        [..., chain, bead - 1] in units of L, the overlap at rest included.
+    """
     return system.along[0].overlap(displacement, first)
 
 
@@ -50,9 +59,16 @@ def kinetic_energy(system: System, velocity: Floats, first: int = 1) -> Floats:
 
 
 def energy(system: System, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
-    """Total energy of states, [...] from [..., line, bead]: kinetic, and of every link (eq. 1 integrated).
+    """Total energy of states: kinetic, and of every link (eq. 1 integrated).
 
-    NaN of the chains alone where there are further lines of atoms.
+    Args:
+        system: masses and links.
+        displacement: [..., line, bead] in units of L, of consecutive beads.
+        velocity: [..., line, bead] in units of V.
+        first: number of the first of these beads.
+
+    Returns:
+        [...] in units of m V**2; NaN of the chains alone where there are further lines of atoms.
     """
     beads = slice(system.chains)
     x, v = displacement[..., beads, :], velocity[..., beads, :]
@@ -82,9 +98,18 @@ def _sum_of_further(system: System, values: Floats) -> Any:
 
 
 def bead_energy(system: System, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
-    """Energy of each bead in its own chain, [..., chain, bead], at states of that shape.
+    """Energy of each bead in its own chain: two beads in contact have half of its energy each.
 
-    Two beads in contact have half of its energy each. The energy of springs between chains is not included.
+    The energy of springs between chains is not included.
+
+    Args:
+        system: masses and links.
+        displacement: [..., chain, bead] in units of L, of consecutive beads.
+        velocity: [..., chain, bead] in units of V.
+        first: number of the first of these beads.
+
+    Returns:
+        [..., chain, bead] in units of m V**2.
     """
     total = kinetic_energy(system, velocity, first)
     for link in (*system.along, *system.ground):
@@ -107,9 +132,15 @@ def contact_energy(system: System, displacement: Floats, first: int = 1) -> Floa
 
 
 def contact_force(system: System, overlap: Floats, *contact: Integers | slice) -> Floats:
-    """Total force of chosen contacts at overlaps, of their shape; the force at rest is included.
+    """Total force of chosen contacts; the force at rest is included.
 
-    ``contact`` are positions (chain, contact) of the links, from 0.
+    Args:
+        system: its contacts.
+        overlap: [...] in units of L.
+        contact: positions (chain, contact) of the links, from 0, whose shape is that of the overlaps.
+
+    Returns:
+        [...] in units of m V / T.
     """
     return np.asarray(sum(laws.whole_force(laws.at(link.law, *contact), overlap) for link in system.along))
 
@@ -133,9 +164,17 @@ def acceleration(
     time: Floats | None = None,
     velocity: Floats | None = None,
 ) -> Floats:
-    """Acceleration of every atom, [..., line, bead], at states of that shape; every atom must be recorded (eq. 1).
+    """Acceleration of every atom (eq. 1); every atom must be recorded.
 
-    Forces from outside are left out where no times, [...], are given, and those of dashpots without velocities.
+    Args:
+        system: masses, links, dashpots and loads.
+        displacement: [..., line, bead] in units of L, of consecutive beads.
+        first: number of the first of these beads.
+        time: [...] in units of T; without it forces from outside are left out.
+        velocity: [..., line, bead] in units of V; without it forces of dashpots are left out.
+
+    Returns:
+        [..., line, bead] in units of V / T.
     """
     result = np.zeros_like(displacement)
     for link in (system if time is None else physics.at(system, time)).links:
@@ -224,9 +263,14 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
 
 
 def strain_and_rates(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> Floats:
-    """Strain between chosen beads and the next recorded, and its derivatives, [derivative, entry].
+    """Strain between chosen beads and the next recorded, and its derivatives.
 
-    The second derivative is there where the frames determine the forces. Indices are those of `acceleration_and_rate`.
+    Args:
+        block: frames.
+        frame, chain, bead: [entry] positions of the beads in the arrays of the frames, from 0.
+
+    Returns:
+        [derivative, entry] in units of L and T; the second derivative is there where the frames determine the forces.
     """
     ends = [[values[frame, chain, bead + k] for k in (0, 1)] for values in (block.displacement, block.velocity)]
     if block.forces_known:

@@ -122,7 +122,17 @@ def declare(
     default: Any = MISSING,
     **shown: Any,
 ) -> Any:
-    """A field of a result, and the `Quantity` that it holds; ``column``, ``digits`` and ``head`` are passed to it."""
+    """A field of a result, and the `Quantity` that it holds.
+
+    Args:
+        meaning: definition, in a sentence without its capital and full stop.
+        unit: key of `lammps_inputs.units.SI`, whose values are dimensionless; or the symbol of another unit.
+        undefined: under which condition there is no value.
+        symbol: symbol in equations, in TeX.
+        columns: columns of a sweep's table.
+        default: value of the field where none is passed.
+        shown: ``column``, ``digits`` and ``head`` of the `Quantity`.
+    """
     return field(default=default, metadata={_DECLARED: Quantity(meaning, unit, undefined, symbol, columns, **shown)})
 
 
@@ -150,7 +160,14 @@ def computed(
 
 
 def derived(unit: str = "", undefined: str = "", symbol: str = "", column: str | None = None) -> Callable[[Kind], Kind]:
-    """A property of a result, and the `Quantity` that it holds; the docstring says the meaning."""
+    """A property of a result, and the `Quantity` that it holds; the docstring says the meaning.
+
+    Args:
+        unit, undefined, symbol, column: see `Quantity`.
+
+    Returns:
+        A decorator of the property's function.
+    """
 
     def mark(function: Kind) -> Kind:
         meaning = " ".join((function.__doc__ or "").split()).removesuffix(".")
@@ -239,7 +256,16 @@ def in_units(value: Any, unit: str, scale: Scale) -> Any:
 
 
 def plain(value: Any, scale: Scale, unit: str = "") -> Any:
-    """A result as data for JSON, in the scene's units; what is undefined is None."""
+    """A result as data for JSON, in the scene's units; what is undefined is None.
+
+    Args:
+        value: a result, or a number, array, mapping or sequence of the unit.
+        scale: units of the scene.
+        unit: unit of the value, as of `Quantity`; a result has those of its fields.
+
+    Returns:
+        Dictionaries, lists, numbers and text.
+    """
     if is_dataclass(value):
         quantities = declared(type(value))
         return {name: plain(getattr(value, name), scale, quantity.unit) for name, (quantity, _) in quantities.items()}
@@ -311,12 +337,29 @@ def table(record: Any, scale: Scale) -> dict[str, Any]:
 
 
 def csv_of(record: Any, scale: Scale) -> str:
-    """CSV text of a result whose fields are columns, or columns by name, in the scene's units."""
+    """CSV text of a result whose fields are columns, or columns by name, in the scene's units.
+
+    Args:
+        record: result whose fields are arrays [row], or mappings from a heading to one.
+        scale: units of the scene.
+
+    Returns:
+        The text, a line for each row; numbers read back exactly, and an undefined number is empty.
+    """
     return to_csv(table(record, scale))
 
 
 def headings(kind: Any, scale: Scale, words: Mapping[str, str] | None = None) -> list[str]:
-    """Headings of a table, with units: the names of a type's quantities, or words for some of them."""
+    """Headings of a table, with units: the names of a type's quantities, or words for some of them.
+
+    Args:
+        kind: result whose fields are columns.
+        scale: units of the scene.
+        words: name of a field -> words in its place; by default all fields with their names.
+
+    Returns:
+        The headings, in the order of the words.
+    """
     quantities = declared(kind)
     return [
         scale.heading(text, quantities[name][0].unit)

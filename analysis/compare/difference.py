@@ -39,6 +39,13 @@ def matched(first: Peaks, second: Peaks, beads: int) -> tuple[Peaks, Peaks]:
     Left out are the kicked beads' start, the last bead of the pulse's way, which flies off, and passages not twice as
     high as `analysis.tracking.peaks.THRESHOLD`: of those, one run may have what the other has not. Each bead has one
     passage at most.
+
+    Args:
+        first, second: first maxima of each bead in the two runs.
+        beads: number of beads of a chain.
+
+    Returns:
+        The maxima of both at the same beads, entry by entry.
     """
     keys = [peaks.chain * 2**40 + peaks.bead for peaks in (first, second)]
     last = beads if first.direction > 0 else 1

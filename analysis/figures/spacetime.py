@@ -188,7 +188,15 @@ def _square(value: Floats) -> Floats:
 
 
 def panels(problem: Problem, chains: int) -> tuple[int, int]:
-    """Rows and columns of panels for so many chains: those of a lattice that is all shown, else as few rows as fit."""
+    """Rows and columns of panels for so many chains: those of a lattice that is all shown, else as few rows as fit.
+
+    Args:
+        problem: what is drawn.
+        chains: number of chains that are shown.
+
+    Returns:
+        Number of rows, and of columns.
+    """
     lattice = grid(problem)
     if lattice is not None and chains == problem.chains:
         return lattice
@@ -228,6 +236,10 @@ def draw_maps(figure: FigureBase, data: SpaceTime) -> tuple[list[Axes], AxisUnit
     velocity of 0 and follow its square root, so that the weak tail is seen beside the pulse and the free end is not cut
     off. The scale ends where all beads do but those up to `NEAR` from a kicked one. Beads that are not evenly
     spaced stand side by side in columns of one width.
+
+    Args:
+        figure: figure, or part of one, without axes.
+        data: velocities of the run.
 
     Returns:
         The axes of the maps, and the unit of their times.

@@ -123,20 +123,39 @@ def is_narrow() -> bool:
 
 
 def new_figure(height: float, width: float = 7.0) -> Figure:
-    """An empty figure, of the width that is asked for (`WIDTH`) if there is one, and then less high or higher."""
+    """An empty figure, of the width that is asked for (`WIDTH`) if there is one, and then less high or higher.
+
+    Args:
+        height: in inches.
+        width: in inches, where none is asked for.
+
+    Returns:
+        The figure, of matplotlib, whose layout makes room for all that it gets.
+    """
     column = WIDTH.get()
     size = (width, height) if column is None else (column, height * math.sqrt(column / width))
     return Figure(figsize=size, layout="constrained")
 
 
 def head(figure: Figure, text: str) -> None:
-    """Write a title, but where a width is asked for: a journal has captions."""
+    """Write a title, but where a width is asked for: a journal has captions.
+
+    Args:
+        figure: figure whose panels are drawn.
+        text: one line or several; long ones are broken.
+    """
     if WIDTH.get() is None:
         figure.suptitle("\n".join(_wrapped(line, figure.get_figwidth()) for line in text.splitlines()))
 
 
 def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str]) -> None:
-    """Put a legend below the panels, where it hides no curve, in as few rows as fit; the figure grows by these."""
+    """Put a legend below the panels, where it hides no curve, in as few rows as fit; the figure grows by these.
+
+    Args:
+        figure: figure whose panels are drawn.
+        handles: curves and marks of matplotlib.
+        labels: words of each of them.
+    """
     if not handles:
         return
     inches = 0.5 + 0.06 * max(map(len, labels))  # of a column: a letter has about half its height of 9 points

@@ -63,6 +63,14 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
     the first of them; so does a file that ends within a frame if another follows. A file without a whole frame is
     passed over if another has one.
 
+    Args:
+        paths: the files.
+        problem: what was run.
+        stride: number of frames from one to the next that is read.
+
+    Yields:
+        Consecutive frames, in units of T, L and V.
+
     Raises:
         InputError: a file is no binary dump or damaged, holds other atoms than the problem, or its steps go back, or
             frames are missing between it and the one before.
@@ -112,7 +120,18 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
 
 
 def read(paths: Sequence[Path], problem: Problem) -> Trajectory:
-    """All frames of files in memory, [frame, chain, bead]; see `blocks`."""
+    """All frames of files in memory.
+
+    Args:
+        paths: the files.
+        problem: what was run.
+
+    Returns:
+        The frames, [frame, chain, bead] in units of T, L and V.
+
+    Raises:
+        InputError: files cannot be used; see `blocks`.
+    """
     return joined(blocks(paths, problem))
 
 

@@ -42,6 +42,11 @@ def complaint(channel: Channel, problem: Problem) -> str | None:
 def check(path: Path, channels: tuple[Channel, ...], problem: Problem) -> None:
     """Refuse traces of what the scene has not.
 
+    Args:
+        path: file of the traces, for the message.
+        channels: channels of the file.
+        problem: problem of the scene.
+
     Raises:
         InputError: naming the first of them.
     """
@@ -52,7 +57,15 @@ def check(path: Path, channels: tuple[Channel, ...], problem: Problem) -> None:
 
 
 def beads_of(channels: tuple[Channel, ...], problem: Problem) -> tuple[int, ...]:
-    """Beads whose motion the channels follow from, ascending."""
+    """Beads whose motion the channels follow from.
+
+    Args:
+        channels: channels that the problem has (`check`).
+        problem: problem of the scene.
+
+    Returns:
+        Numbers of the beads, ascending.
+    """
     beads: set[int] = set()
     for channel in channels:
         gauge = _gauge(channel, problem)
@@ -62,7 +75,15 @@ def beads_of(channels: tuple[Channel, ...], problem: Problem) -> tuple[int, ...]
 
 
 def read(trajectory: Trajectory, channels: tuple[Channel, ...]) -> Floats:
-    """Dimensionless values at the frames, [frame, channel]; the beads of `beads_of` must be recorded."""
+    """Values of channels at the frames of a run.
+
+    Args:
+        trajectory: frames in which the beads of `beads_of` are recorded.
+        channels: channels that its problem has (`check`).
+
+    Returns:
+        [frame, channel] in units of V, L, or m V / T.
+    """
     problem = trajectory.problem
     readers = [(_gauge(channel, problem), channel) for channel in channels]
     distinct = {gauge.name: gauge for gauge, _ in readers if gauge is not None}
@@ -79,7 +100,15 @@ def read(trajectory: Trajectory, channels: tuple[Channel, ...]) -> Floats:
 
 
 def read_at(run: Trajectory, channels: tuple[Channel, ...], times: Floats) -> Floats:
-    """Values at ascending times, both in the scene's units, [time, channel]; 0 before the start.
+    """Values of channels at any times, interpolated between frames; 0 before the start.
+
+    Args:
+        run: frames in which the beads of `beads_of` are recorded.
+        channels: channels that its problem has (`check`).
+        times: [time] ascending, in the scene's unit.
+
+    Returns:
+        [time, channel] in the scene's units.
 
     Raises:
         InputError: times beyond the end of the run.

@@ -47,10 +47,15 @@ _ABOVE = np.logspace(-4.0, 13.0, 2000)
 def speed_over_sound(ratio: Floats | float, exponent: float = 1.5) -> Floats:
     """Speed of the solitary wave over that of sound (Nesterenko 2001, eq. 1.113; Daraio et al. 2006, eq. 3).
 
-    It has the shape of ``ratio``, the largest total force of a contact over that at rest.
-
     ``sqrt{(4/15) (3 + 2 f^(5/3) - 5 f^(2/3))} / (f^(2/3) - 1)`` for spheres; 1 for a ratio of 1. For contacts of any
     exponent p: ``sqrt{2 / (p (p + 1)) (p + f^(1 + 1/p) - (p + 1) f^(1/p))} / (f^(1/p) - 1)``.
+
+    Args:
+        ratio: [...] largest total force of a contact over that at rest, f.
+        exponent: exponent p of the contact force.
+
+    Returns:
+        [...] dimensionless.
     """
     return _amplitude(ratio, exponent) / np.maximum(_strain(ratio, exponent) - 1.0, 1e-300)
 

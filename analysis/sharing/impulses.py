@@ -205,7 +205,18 @@ def meter_of(problem: Problem) -> ImpulseMeter | None:
 
 
 def measure(problem: Problem, blocks: Iterable[Trajectory]) -> Impulses:
-    """Impulses in a run given as consecutive blocks of frames; see `ImpulseMeter`."""
+    """Impulses of contacts in a run.
+
+    Args:
+        problem: what was run.
+        blocks: consecutive frames, the first frame being the start; see `ImpulseMeter`.
+
+    Returns:
+        The impulses until the last frame.
+
+    Raises:
+        ValueError: there was no frame.
+    """
     return watch(ImpulseMeter(problem), blocks).result()
 
 

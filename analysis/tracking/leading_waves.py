@@ -269,7 +269,15 @@ def leading_finder(problem: Problem) -> PeakFinder:
 
 
 def leading_passages(peaks: Peaks, problem: Problem) -> Peaks:
-    """Maxima of a run that may be the leading pulse's: all, or a few with kicks in both directions."""
+    """Maxima of a run that may be the leading pulse's: all, or a few with kicks in both directions.
+
+    Args:
+        peaks: maxima that `leading_finder` found.
+        problem: what was run.
+
+    Returns:
+        The maxima at beads from the first kicked one on, in the pulse's direction.
+    """
     passages = of_pulses(peaks, track_pulses(peaks, problem)) if opposed(problem) else peaks
     return beyond_kicks(passages, problem)
 
