@@ -132,6 +132,9 @@ def declare(
         columns: columns of a sweep's table.
         default: value of the field where none is passed.
         shown: ``column``, ``digits`` and ``head`` of the `Quantity`.
+
+    Returns:
+        The field, in a class that `result` makes a dataclass.
     """
     return field(default=default, metadata={_DECLARED: Quantity(meaning, unit, undefined, symbol, columns, **shown)})
 

@@ -187,7 +187,17 @@ def _execute(arguments: argparse.Namespace) -> int:
 
 
 def parser(names: Sequence[str]) -> argparse.ArgumentParser:
-    """The parser with the arguments of these commands; without names it has all commands without arguments."""
+    """The parser with the arguments of these commands; without names it has all commands without arguments.
+
+    Args:
+        names: names of commands.
+
+    Returns:
+        The parser of the program.
+
+    Raises:
+        InputError: there is no such command.
+    """
     # only these are imported, which takes long
     commands = [name for name in names if name in COMMANDS]
     top_level = _Parser(prog="granchain", description=None if commands else _listed(), formatter_class=_Grouped)

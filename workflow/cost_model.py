@@ -53,7 +53,15 @@ class Cost:
 
 
 def cost(problem: Problem, ranks: int) -> Cost:
-    """Cost of a run on a number of ranks, by the model."""
+    """Estimated cost of a run, by the model.
+
+    Args:
+        problem: what is to run.
+        ranks: number of MPI ranks.
+
+    Returns:
+        The cost, in s and bytes.
+    """
     frame, frames = sizes(problem)
     largest = math.ceil(problem.rows / ranks) * problem.chains
     fixed, bead = step_seconds(problem)

@@ -156,5 +156,13 @@ def _operations_of_atoms(lines: Iterable[str]) -> int:
 
 
 def frame_seconds(size: float, frames: float = 1) -> float:
-    """Seconds to write some frames of so many bytes in all."""
+    """Time to write frames.
+
+    Args:
+        size: bytes of all of them.
+        frames: number of frames.
+
+    Returns:
+        The time, in s.
+    """
     return FRAME * frames + size / FILE

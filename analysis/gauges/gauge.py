@@ -100,7 +100,7 @@ def gauges(
         system: its walls and contacts.
         wall: whether each wall has one.
         contacts: number n of the bead before each contact, from 1.
-        sensors: number of each bead with a gauge inside, which is none at an end of the chain.
+        sensors: number of each bead with a gauge inside, between the first and the last bead.
 
     Returns:
         The gauges: at walls, in contacts, inside beads.

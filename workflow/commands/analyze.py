@@ -69,7 +69,16 @@ def analysis_of(arguments: argparse.Namespace) -> Analysis:
 def report(
     arguments: argparse.Namespace, analysis: Analysis, *tables: tuple[str, list[str], list[list[str]]]
 ) -> CommandResult:
-    """Print an analysis, and further tables (title, heading, rows), and the files that were written."""
+    """Print an analysis, and the files that were written.
+
+    Args:
+        arguments: arguments of the command.
+        analysis: what `analysis_of` returned.
+        tables: further tables, each of title, headings and rows.
+
+    Returns:
+        The command's result, with what ``analysis.json`` holds.
+    """
     print_heading(analysis.problem.name, RunDirectory(arguments.directory).scene.units)
     for line in (*lines(analysis), *tables):
         if isinstance(line, str):

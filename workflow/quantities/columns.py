@@ -85,6 +85,11 @@ def column_called(name: str) -> CollectColumn | None:
 def refuse_unknown(name: str, where: str, kind: str) -> None:
     """See that a quantity is one of `KNOWN`, or one of `AT_BEAD` at a bead.
 
+    Args:
+        name: name of the quantity, as the user wrote it.
+        where: file and key, or option, for the message.
+        kind: what it should be, such as "quantity".
+
     Raises:
         InputError: it is not; says where it was given and what it is not.
     """

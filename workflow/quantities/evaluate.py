@@ -61,6 +61,14 @@ def mass_of(scene: Scene) -> float:
 def scene_to_run(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Scene:
     """A scene with its end, all of whose beads are recorded; one that ends at a bead waits for the objective.
 
+    Args:
+        plain: plain data of the scene.
+        names: names of the quantities that are wanted of its run.
+        source: what to call the scene in messages.
+
+    Returns:
+        The scene.
+
     Raises:
         InputError: it is none, or its end is not reached.
     """
@@ -78,6 +86,14 @@ def scene_to_run(plain: dict[str, Any], names: tuple[str, ...], source: str) -> 
 def of_scene(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Measured:
     """Quantities of a scene, run by the reference.
 
+    Args:
+        plain: plain data of the scene.
+        names: names of the quantities, such as ``peak_velocity@100``.
+        source: what to call the scene in messages.
+
+    Returns:
+        Name -> number in the scene's units; None where it is undefined.
+
     Raises:
         InputError: as `scene_to_run`.
     """
@@ -90,7 +106,17 @@ def of_scene(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Meas
 def of_frames(
     problem: Problem, frames: Callable[[], Iterable[Trajectory]], scene: Scene, names: tuple[str, ...]
 ) -> Measured:
-    """Quantities of a run; ``frames`` reads it again, at little cost, and holds all beads."""
+    """Quantities of a run.
+
+    Args:
+        problem: what was run.
+        frames: starts reading its frames, of all beads; called for each quantity that needs them.
+        scene: scene of the problem.
+        names: names of the quantities, such as ``peak_velocity@100``.
+
+    Returns:
+        Name -> number in the scene's units; None where it is undefined.
+    """
     run = _MeasuredRun(scene, problem, frames)
     values = {name: run.value(name) for name in names}
     return {name: None if value is None else float(value) for name, value in values.items()}

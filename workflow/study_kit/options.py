@@ -49,7 +49,16 @@ def add_jobs(parser: argparse.ArgumentParser, words: str = "scenes at a time (de
 
 
 def within(kind: type[int] | type[float], low: float, high: float) -> Callable[[str], float]:
-    """The type of an option whose numbers have bounds."""
+    """The type of an option whose numbers have bounds.
+
+    Args:
+        kind: int or float.
+        low: the least number.
+        high: the largest number.
+
+    Returns:
+        A function from text to the number, which raises ``argparse.ArgumentTypeError`` for others.
+    """
 
     def read(text: str) -> float:
         with contextlib.suppress(ValueError):
@@ -61,7 +70,14 @@ def within(kind: type[int] | type[float], low: float, high: float) -> Callable[[
 
 
 def listed(kind: type[int] | type[float]) -> Callable[[str], tuple[float, ...]]:
-    """The type of an option that takes numbers with commas between."""
+    """The type of an option that takes numbers with commas between.
+
+    Args:
+        kind: int or float.
+
+    Returns:
+        A function from text to the numbers, which raises ``argparse.ArgumentTypeError`` for other text.
+    """
 
     def read(text: str) -> tuple[float, ...]:
         try:
@@ -82,6 +98,14 @@ def interrupted() -> CommandResult:
 def split(text: str, option: str, example: str) -> tuple[str, str]:
     """Both sides of ``NAME=VALUE``.
 
+    Args:
+        text: what the user wrote.
+        option: name of the option, for the message.
+        example: valid text, for the message.
+
+    Returns:
+        Name and value, without blanks around them.
+
     Raises:
         InputError: there are none.
     """
@@ -93,6 +117,14 @@ def split(text: str, option: str, example: str) -> tuple[str, str]:
 
 def number(text: str, option: str, example: str) -> float:
     """A number of ordinary size.
+
+    Args:
+        text: what the user wrote.
+        option: name of the option, for the message.
+        example: valid text, for the message.
+
+    Returns:
+        The number, smaller than 1e300.
 
     Raises:
         InputError: it is none.
@@ -108,6 +140,14 @@ def number(text: str, option: str, example: str) -> float:
 
 def both_ends(text: str, option: str, example: str) -> tuple[float, float]:
     """Both numbers of ``LOW:HIGH``.
+
+    Args:
+        text: what the user wrote.
+        option: name of the option, for the message.
+        example: valid text, for the message.
+
+    Returns:
+        Both numbers; the first may be the larger one.
 
     Raises:
         InputError: a side is no number.

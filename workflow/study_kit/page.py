@@ -33,7 +33,16 @@ class PageFigure:
 
 
 def drawn(name: str, figure: Figure, caption: str) -> PageFigure:
-    """A figure as PNG for a page."""
+    """A figure as PNG for a page.
+
+    Args:
+        name: name of its file, without suffix.
+        figure: figure of matplotlib.
+        caption: text below it.
+
+    Returns:
+        The figure for `shown`.
+    """
     return PageFigure(name, content_of(figure, "png", dpi=150), caption)
 
 
@@ -44,6 +53,9 @@ def document(title: str, summary: str, body: str, cited: Iterable[str]) -> str:
         title, summary: head of the page.
         body: HTML.
         cited: keys of the bibliography, for its last section (`workflow.provenance.foot`).
+
+    Returns:
+        The page, in HTML.
     """
     return (
         Path(__file__)
@@ -56,7 +68,15 @@ def document(title: str, summary: str, body: str, cited: Iterable[str]) -> str:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table of text in HTML."""
+    """A table of text.
+
+    Args:
+        head: headings of the columns.
+        rows: cells of each row.
+
+    Returns:
+        The table, in HTML.
+    """
     lines = [("th", head), *(("td", row) for row in rows)]
     cells = ("".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in line) for tag, line in lines)
     return f'<div class="wide"><table>{"".join(f"<tr>{line}</tr>" for line in cells)}</table></div>'

@@ -410,7 +410,14 @@ def _sane(directory: RunDirectory, blocks: Iterator[Trajectory]) -> Iterator[Tra
 
 
 def default_beads(problem: Problem) -> tuple[int, ...]:
-    """Three recorded beads: near a sixth, a half and nine tenths of the way, or near the kick where no pulse runs."""
+    """Three recorded beads: near a sixth, a half and nine tenths of the way, or near the kick where no pulse runs.
+
+    Args:
+        problem: what was run.
+
+    Returns:
+        Numbers of the beads, ascending.
+    """
     recorded = problem.recorded_beads
     if not problem.system.holds(Fact.PULSE):
         kicked_bead = physics.largest_excitation(problem.system)[1]

@@ -31,7 +31,14 @@ from workflow.workers.pool import Pool, Task, TaskResult
 
 
 def key_of(request: Any) -> str:
-    """Key of a request that is plain data: equal requests have equal keys."""
+    """Key of a request: equal requests have equal keys.
+
+    Args:
+        request: plain data.
+
+    Returns:
+        The key, of 20 hexadecimal digits.
+    """
     return hashlib.sha256(json.dumps(request, sort_keys=True).encode()).hexdigest()[:20]
 
 
@@ -120,7 +127,18 @@ class Computation(NamedTuple):
 def case(
     function: str, arguments: dict[str, Any], *, key: str = "", cost: float = 0.0, alone: bool = False
 ) -> Computation:
-    """A case of a function, ``module:name``, at arguments, from which its key follows unless another one is given."""
+    """Computation of a function at arguments.
+
+    Args:
+        function: ``module:name`` of the function, which a worker process imports.
+        arguments: plain data that it is called with, by name.
+        key: key of the value in a cache; by default it follows from the arguments.
+        cost: work, in proportion to that of the other cases.
+        alone: whether it uses all cores itself.
+
+    Returns:
+        The computation.
+    """
     return Computation(key or key_of(arguments), Task(function, arguments), cost, alone)
 
 
@@ -142,6 +160,9 @@ def evaluate(
         progress: called before the first case and after each.
         tell: called after each case that was computed; an exception that it raises ends the evaluation.
         failed: which answers progress counts as failed; by default those without a value.
+
+    Returns:
+        Key -> answer, whose ``failed`` says why there is no value.
     """
     wanted = {computation.key: computation for computation in cases}
     stored = StoredResults(None) if cache is None else cache
