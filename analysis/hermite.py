@@ -4,8 +4,6 @@ Plug-ins take this module for what happens between frames: `coefficients` gives 
 `derivative` evaluate them, `falling_zero` finds where they fall through zero, such as the end of a contact.
 
 Examples:
-    >>> import numpy as np
-    >>> from granchain.parts import hermite
     >>> position, velocity = [1.0, -1.0], [-1.0, -3.0]  # at t = 0 and t = 1
     >>> through = hermite.coefficients((0, 1), np.array([position, velocity]).T, spacing=1.0)  # [power]
     >>> hermite.falling_zero(through[:, np.newaxis], np.zeros(1), np.ones(1)).round(6)
@@ -40,11 +38,11 @@ def coefficients(nodes: tuple[int, ...], data: Floats, spacing: float) -> Floats
 
     Args:
         nodes: frames relative to the one where t = 0.
-        data: [node, derivative, ...]: value, first derivative, ... (any trailing shape).
+        data: [node, derivative, ...]: value, first derivative, ... in one unit and that over the unit of time.
         spacing: time between frames, in the unit of time of the derivatives.
 
     Returns:
-        Coefficients, [power, ...], by ascending power.
+        Coefficients, [power, ...], by ascending power, in the unit of the values.
     """
     count, derivatives = data.shape[:2]
     scaled = data * (spacing ** np.arange(derivatives)).reshape((1, derivatives) + (1,) * (data.ndim - 2))
@@ -59,7 +57,14 @@ def coefficients(nodes: tuple[int, ...], data: Floats, spacing: float) -> Floats
 
 
 def derivative(polynomials: Floats) -> Floats:
-    """Coefficients, [power, ...], of the derivatives of polynomials [power, ...] with respect to ``t / spacing``."""
+    """Derivatives of polynomials with respect to ``t / spacing``.
+
+    Args:
+        polynomials: [power, ...] coefficients, in any unit.
+
+    Returns:
+        [power, ...] coefficients of the derivatives, in the same unit; there is one power less.
+    """
     powers = np.arange(1, len(polynomials)).reshape((-1,) + (1,) * (polynomials.ndim - 1))
     return polynomials[1:] * powers
 
@@ -68,8 +73,8 @@ def value(polynomials: Floats, s: Floats) -> Floats:
     """Values of polynomials.
 
     Args:
-        polynomials: [power, ...] coefficients, of `coefficients` or `derivative`.
-        s: [...] times over the spacing.
+        polynomials: [power, ...] coefficients, of `coefficients` or `derivative`, in any unit.
+        s: [...] times in units of the spacing.
 
     Returns:
         [...] in the unit of the coefficients.
@@ -89,11 +94,11 @@ def falling_zero(polynomials: Floats, low: Floats, high: Floats) -> Floats:
     """Place at which each polynomial falls through zero, by bisection.
 
     Args:
-        polynomials: [power, ...] coefficients; values are positive at low, and not at high.
-        low, high: [...] times over the spacing.
+        polynomials: [power, ...] coefficients, in any unit; values are positive at low, and not at high.
+        low, high: [...] times in units of the spacing.
 
     Returns:
-        [...] times over the spacing.
+        [...] times in units of the spacing.
     """
     return change(lambda s: value(polynomials, s) > 0.0, np.True_, low, high)
 

@@ -8,9 +8,7 @@ Plug-ins take this module for what the states of a run imply: overlaps and force
 of beads and of the system. They give it ``problem.system`` and arrays of a `Trajectory`.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import engine, motion
-    >>> problem = load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
     >>> frames = engine.run(problem)
     >>> motion.energy(problem.system, frames.displacement, frames.velocity)[[0, 150, 300]].round(6)  # in m V**2
     array([0.5, 0.5, 0.5])
@@ -118,9 +116,13 @@ def bead_energy(system: System, displacement: Floats, velocity: Floats, first: i
 
 
 def participation(energy: Floats) -> float:
-    """Participation number of beads' energies e, [...]: (sum e)^2 / sum e^2.
+    """Participation number of energies e: (sum e)^2 / sum e^2, which is N where N beads have the same and others none.
 
-    It is N where N beads have the same energy and all others none; NaN where none has any.
+    Args:
+        energy: [...] energies of beads, in any unit.
+
+    Returns:
+        The number; NaN where no bead has energy.
     """
     total = float(np.sum(energy))
     return 1.0 / float(np.sum((energy / total) ** 2)) if total > 0.0 else np.nan
@@ -137,7 +139,7 @@ def contact_force(system: System, overlap: Floats, *contact: Integers | slice) -
     Args:
         system: its contacts.
         overlap: [...] in units of L.
-        contact: positions (chain, contact) of the links, from 0, whose shape is that of the overlaps.
+        contact: positions of the chains, [...], and of the contacts in them, [...], from 0.
 
     Returns:
         [...] in units of m V / T.

@@ -24,7 +24,6 @@ Plug-ins take this module for what they measure: `result` and `declare` for the 
 `headings` for tables, `declared` for what its fields mean.
 
 Examples:
-    >>> from granchain.parts import quantity, units
     >>> @quantity.result
     ... class Passage:
     ...     time: float = quantity.declare("time of the passage", "time", "the pulse stopped before", symbol="t")
@@ -193,7 +192,6 @@ def result(kind: type[Kind]) -> type[Kind]:
         The dataclass; fields of `computed` are computed when they are first needed.
 
     Examples:
-        >>> from granchain.parts import quantity, result
         >>> @result
         ... class Passages:
         ...     times: tuple[float, ...]

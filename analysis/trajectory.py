@@ -3,9 +3,7 @@
 Examples in this package analyse a short run of the reference integrator.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import engine
-    >>> engine.run(load("one-chain", {"beads": 20, "duration": 30.0}).problem())
+    >>> engine.run(granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem())
     <trajectory of one-chain: 301 frames of 1 x 20 beads, to t = 30 T, in units of T, L and V>
 """
 
@@ -23,8 +21,6 @@ Floats = NDArray[np.float64]
 """Array of float64; the docstring of a function or field has its shape and unit.
 
 Examples:
-    >>> import numpy as np
-    >>> from granchain.parts import Floats
     >>> def kinetic_energy(velocity: Floats) -> Floats:
     ...     "Kinetic energy of beads of mass m, [bead] in units of m V**2, at velocities [bead] in units of V."
     ...     return 0.5 * velocity**2
@@ -36,8 +32,6 @@ Integers = NDArray[np.int64]
 """Array of int64, such as numbers of beads, counted from 1, or positions along an axis, counted from 0.
 
 Examples:
-    >>> import numpy as np
-    >>> from granchain.parts import Integers
     >>> beads: Integers = np.array([10, 20])  # numbers
     >>> beads - 1  # their positions
     array([ 9, 19])
@@ -47,8 +41,6 @@ Flags = NDArray[np.bool_]
 """Array of true and false, such as a mask of beads or frames.
 
 Examples:
-    >>> import numpy as np
-    >>> from granchain.parts import Flags
     >>> moving: Flags = np.array([0.7, 1e-6, 0.0]) > 1e-3  # [bead]
     >>> moving
     array([ True, False, False])
@@ -71,9 +63,7 @@ def frames_per_block(problem: Problem) -> int:
         Number of frames.
 
     Examples:
-        >>> from granchain import load
-        >>> from granchain.parts import frames_per_block
-        >>> [frames_per_block(load(name).problem()) for name in ("one-chain", "two-chains")]
+        >>> [frames_per_block(granchain.load(name).problem()) for name in ("one-chain", "two-chains")]
         [2184, 1092]
     """
     return max(LEAST_FRAMES, BLOCK_BYTES // (16 * problem.chains * problem.rows_a_frame))
@@ -118,9 +108,7 @@ class Trajectory:
             there is none; None where they were not recorded.
 
     Examples:
-        >>> from granchain import load
-        >>> from granchain.parts import engine
-        >>> frames = engine.run(load("one-chain", {"beads": 20, "duration": 30.0}).problem())
+        >>> frames = engine.run(granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem())
         >>> frames.velocity.shape  # [frame, chain, bead]
         (301, 1, 20)
         >>> frames[-2:].time, frames.velocity[-2:, 0, frames.bead(20)].round(3)  # in units of T and V
@@ -354,9 +342,7 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
         ValueError: there is no block.
 
     Examples:
-        >>> from granchain import load
-        >>> from granchain.parts import engine, joined
-        >>> frames = engine.run(load("one-chain", {"beads": 20, "duration": 30.0}).problem())
+        >>> frames = engine.run(granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem())
         >>> joined([frames[:100], frames[100:]]).frames
         301
     """
@@ -391,9 +377,7 @@ def direction_of(problem: Problem) -> int:
         The direction, 1 or -1.
 
     Examples:
-        >>> from granchain import load
-        >>> from granchain.parts import direction_of
-        >>> direction_of(load("one-chain", {"kick.bead": 120, "kick.velocity": -1.0}).problem())
+        >>> direction_of(granchain.load("one-chain", {"kick.bead": 120, "kick.velocity": -1.0}).problem())
         -1
     """
     _, _, excitation = physics.largest_excitation(problem.system)
@@ -467,9 +451,7 @@ def watch(watcher: AnyWatcher, blocks: Iterable[Trajectory]) -> AnyWatcher:
         The watcher.
 
     Examples:
-        >>> from granchain import load
-        >>> from granchain.parts import engine, peaks, watch
-        >>> frames = engine.run(load("one-chain", {"beads": 20, "duration": 30.0}).problem())
+        >>> frames = engine.run(granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem())
         >>> passages = watch(peaks.PeakFinder(first_only=True), frames.blocks()).result()
         >>> passages.velocity[17:].round(3)  # first maximum of each bead, in units of V
         array([0.682, 0.682, 0.986])

@@ -6,7 +6,6 @@ Plug-ins take this module for commands as a whole, such as help and completion i
 those of plug-ins included, `summary_of` a line on each, `parser` their options; `main` runs one.
 
 Examples:
-    >>> from granchain.parts import cli
     >>> cli.summary_of("analyze")
     'Find the pulses in a run, measure them and draw them.'
     >>> cli.parser(["analyze"]).parse_args(["analyze", "demo", "--no-figures"]).no_figures

@@ -10,7 +10,6 @@ Plug-ins take this module for loops of their own, such as those of an engine: `i
 calls, `ieee_called_by_compiled` one that only compiled functions call.
 
 Examples:
-    >>> from granchain.parts import compiled
     >>> @compiled.ieee
     ... def inverse(number):
     ...     return 1.0 / number

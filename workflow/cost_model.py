@@ -12,9 +12,7 @@ of messages is assumed. Larger runs are extrapolated, taking for granted that
 Plug-ins take this module to plan runs on clusters: `cost` estimates time and size of a run, `MEMORY` its memory.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import cost_model
-    >>> problem = load("one-chain", {"timestep": 0.01}).problem()
+    >>> problem = granchain.load("one-chain", {"timestep": 0.01}).problem()
     >>> estimated = cost_model.cost(problem, ranks=1)
     >>> round(estimated.seconds, 3), estimated.frames  # in s and bytes
     (0.077, 4857434.0)

@@ -4,7 +4,6 @@ Plug-ins take this module to report programs that they started: `how_it_ended` s
 what it printed before, `first_line` what an error of LAMMPS says.
 
 Examples:
-    >>> from granchain.parts import errors
     >>> errors.how_it_ended(-9)
     'was killed by signal SIGKILL'
     >>> errors.complaint(["Traceback (most recent call last):", "  ...", "MemoryError: 8 GB"])

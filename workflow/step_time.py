@@ -8,9 +8,7 @@ Plug-ins take this module to plan runs on clusters: `step_seconds` and `frame_se
 run, `bead_seconds` that of a bead alone, `MESSAGES` that of messages between ranks.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import step_time
-    >>> fixed, bead = step_time.step_seconds(load("two-chains").problem())
+    >>> fixed, bead = step_time.step_seconds(granchain.load("two-chains").problem())
     >>> f"{fixed:.1e} s a step, and {bead:.1e} s for each bead of a rank"
     '1.5e-06 s a step, and 2.0e-08 s for each bead of a rank'
 """

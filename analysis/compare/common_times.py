@@ -85,9 +85,7 @@ def paired(first: Iterable[Trajectory], second: Iterable[Trajectory]) -> Iterato
         OtherFramesError: the two do not have the same beads, or their frames differ in time.
 
     Examples:
-        >>> from granchain import load
-        >>> from granchain.parts import engine, paired
-        >>> frames = engine.run(load("one-chain", {"beads": 20, "duration": 30.0}).problem())
+        >>> frames = engine.run(granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem())
         >>> [(run.frames, reference.frames) for run, reference in paired([frames], [frames[:100], frames[100:]])]
         [(100, 100), (201, 201)]
     """

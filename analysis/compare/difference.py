@@ -5,9 +5,7 @@ that two runs have in common.
 
 Examples:
     >>> from dataclasses import replace
-    >>> from granchain import load
-    >>> from granchain.parts import difference, engine
-    >>> frames = engine.run(load("one-chain", {"beads": 20, "duration": 30.0}).problem())
+    >>> frames = engine.run(granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem())
     >>> wrong = replace(frames, velocity=1.001 * frames.velocity)
     >>> errors = difference.errors_of(wrong.blocks(), frames.blocks())
     >>> errors["velocity"].where.words, round(errors["velocity"].largest, 9)  # in units of V

@@ -150,13 +150,10 @@ def residual_figure(
         The figure, of matplotlib.
 
     Examples:
-        >>> import numpy as np
-        >>> from granchain import load
-        >>> from granchain.parts import residual_figure, traces
         >>> time = np.linspace(0.0, 20.0, 101)
         >>> data = traces.Traces(time, (traces.Channel("velocity", 1, 5),), np.sin(time)[:, np.newaxis], units=False)
         >>> computed = 0.9 * data.values  # [instant, channel]
-        >>> figure = residual_figure(load("one-chain").problem(), data, computed, size=np.array([0.1]))
+        >>> figure = residual_figure(granchain.load("one-chain").problem(), data, computed, size=np.array([0.1]))
         >>> len(figure.axes)
         2
     """

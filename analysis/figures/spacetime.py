@@ -4,9 +4,7 @@ Plug-ins take this module to draw maps: `SpaceTime` collects the velocities of a
 `draw_maps` draws them into a figure of theirs, with `panels` for its shape; `RootScale` is the scale of the colours.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import engine, spacetime, watch
-    >>> problem = load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
     >>> frames = engine.run(problem)
     >>> data = watch(spacetime.SpaceTime(problem), frames.blocks())
     >>> spacetime.RootScale.of(problem, data.beads, data.velocity[:, 0]).ticks  # in units of V
@@ -236,10 +234,6 @@ def draw_maps(figure: FigureBase, data: SpaceTime) -> tuple[list[Axes], AxisUnit
     velocity of 0 and follow its square root, so that the weak tail is seen beside the pulse and the free end is not cut
     off. The scale ends where all beads do but those up to `NEAR` from a kicked one. Beads that are not evenly
     spaced stand side by side in columns of one width.
-
-    Args:
-        figure: figure, or part of one, without axes.
-        data: velocities of the run.
 
     Returns:
         The axes of the maps, and the unit of their times.

@@ -4,7 +4,6 @@ Plug-ins take this module to draw what a study has computed: a `StudyAxis` is a 
 uncertainties, `swept_figure` draws curves and `map_figure` a map; `Sought` marks a value.
 
 Examples:
-    >>> from granchain.parts import studies, units
     >>> coupling = studies.StudyAxis(units.Label("coupling", "k"), studies.floats([0.1, 0.2, 0.4]))
     >>> beads = studies.StudyAxis(units.Label("beads until the pulses agree"), studies.floats([58, 29, None]))
     >>> studies.swept_figure(beads, coupling, title="two chains").savefig(tmp / "study.png", dpi=30)
@@ -112,7 +111,14 @@ class StudyAxis:
 
 
 def largest_of(values: Floats) -> float:
-    """Size of the largest finite value [case]; 0 where there is none."""
+    """Size of the largest finite value.
+
+    Args:
+        values: [case] in any unit.
+
+    Returns:
+        The size, in that unit; 0 where there is no finite value.
+    """
     return float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0))
 
 
@@ -165,7 +171,7 @@ def swept_figure(
         over: the field along the horizontal axis.
         beside: the second field, of at most `MOST_LINES` values.
         title: for the top.
-        passed: ranges of the horizontal axis, [band, 2], that let small waves pass; all else is shaded.
+        passed: ranges [band, 2] in the unit of ``over`` that let small waves pass; all else is shaded.
         sought: a value of the quantity that is marked, and where the quantity has it.
     """
     if sought is not None:

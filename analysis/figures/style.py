@@ -5,9 +5,7 @@ Plug-ins take this module so that their figures look like the others: a function
 `legend_below`. `title` names a run, `picture` gives the content of a file.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import style
-    >>> problem = load("one-chain").problem()
+    >>> problem = granchain.load("one-chain").problem()
     >>> @style.styled
     ... def speeds(beads, values):
     ...     figure = style.new_figure(2.5, 4.0)

@@ -188,9 +188,7 @@ def response_of(problem: Problem, blocks: Iterable[Trajectory], beads: Sequence[
         The figure, of matplotlib.
 
     Examples:
-        >>> from granchain import load
-        >>> from granchain.parts import Survey, engine, response_of
-        >>> problem = load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+        >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
         >>> frames = engine.run(problem)
         >>> waves = Survey(problem, frames.blocks, "maximum").waves
         >>> len(response_of(problem, frames.blocks(), (5, 10), waves).axes)  # two for each bead

@@ -64,10 +64,7 @@ class BinaryDump:
         cut: whether the file ends within a frame, which is left out.
 
     Examples:
-        >>> import numpy as np
-        >>> from granchain import load
-        >>> from granchain.parts import BinaryDump, recording
-        >>> problem = load("one-chain", {"beads": 20, "duration": 30.0, "timestep": 0.05}).problem()
+        >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0, "timestep": 0.05}).problem()
         >>> with recording.Writer(tmp / "dump.bin", problem) as writer:
         ...     writer.append(0, np.zeros((1, 20)), np.eye(1, 20))
         >>> dump = BinaryDump(tmp / "dump.bin")

@@ -7,10 +7,7 @@ Plug-ins take this module for dumps of LAMMPS: `blocks` and `read` read those of
 `all_ids` has the numbers of its atoms.
 
 Examples:
-    >>> import numpy as np
-    >>> from granchain import load
-    >>> from granchain.parts import recording
-    >>> problem = load("one-chain", {"beads": 20, "duration": 30.0, "timestep": 0.05}).problem()
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0, "timestep": 0.05}).problem()
     >>> with recording.Writer(tmp / "dump.bin", problem) as writer:
     ...     writer.append(0, np.zeros((1, 20)), np.eye(1, 20))  # [line, bead] in units of L and V
     >>> recording.read([tmp / "dump.bin"], problem).velocity[0, 0, :3]
@@ -62,14 +59,6 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
     With a stride, frames in between are left unread. A step that several files hold (the run was continued) comes from
     the first of them; so does a file that ends within a frame if another follows. A file without a whole frame is
     passed over if another has one.
-
-    Args:
-        paths: the files.
-        problem: what was run.
-        stride: number of frames from one to the next that is read.
-
-    Yields:
-        Consecutive frames, in units of T, L and V.
 
     Raises:
         InputError: a file is no binary dump or damaged, holds other atoms than the problem, or its steps go back, or

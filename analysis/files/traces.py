@@ -7,8 +7,6 @@ Plug-ins take this module for data of experiments: `load` reads a file; each `Ch
 where, which `analysis.gauges.channels` computes for a run.
 
 Examples:
-    >>> import numpy as np
-    >>> from granchain.parts import traces
     >>> head = "time (us),force_wall_right (N)"
     >>> np.savetxt(tmp / "data.csv", [[0.0, 0.0], [5.0, 3.2]], delimiter=",", header=head, comments="")
     >>> data = traces.load(tmp / "data.csv")

@@ -4,9 +4,7 @@ Plug-ins take this module to compare a run with data: `check` refuses channels t
 beads to record, `read` and `read_at` give the traces. Channels are those of `analysis.files.traces`.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import channels, engine, traces
-    >>> problem = load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
     >>> frames = engine.run(problem)
     >>> chosen = (traces.Channel("velocity", chain=1, bead=5), traces.Channel("contact", chain=1, bead=5))
     >>> channels.beads_of(chosen, problem)

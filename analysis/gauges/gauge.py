@@ -8,9 +8,7 @@ Between frames: the force of a contact (`ContactCurve`), its integral and maximu
 Plug-ins take this module for forces: `gauges` chooses places of a system, `at_frames` reads their forces.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import engine, gauge
-    >>> problem = load("one-chain", {"beads": 20, "duration": 30.0, "walls": {"right": "bead"}}).problem()
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0, "walls": {"right": "bead"}}).problem()
     >>> frames = engine.run(problem)
     >>> chosen = gauge.gauges(problem.system, wall=True, contacts=(10,))
     >>> [each.name for each in chosen]

@@ -26,7 +26,6 @@ wave of a system's contacts, where they have one, is `wave_of`.
 Plug-ins take this module to compare pulses with theory: `solitary_wave` is exact, `nesterenko` the long-wave theory.
 
 Examples:
-    >>> from granchain.parts import exact_wave
     >>> exact, theory = exact_wave.solitary_wave(), exact_wave.nesterenko()
     >>> round(exact.speed, 4), round(theory.speed, 4)  # at a peak velocity of V, in beads / T
     (0.9075, 0.9146)

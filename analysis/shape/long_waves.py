@@ -13,9 +13,7 @@ Plug-ins take this module for loaded chains: `sound_speed` at every bead, `speed
 and `cell_beads`, the number of beads after which a chain repeats.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import long_waves
-    >>> system = load("precompressed").system
+    >>> system = granchain.load("precompressed").system
     >>> long_waves.sound_speed(system)[0, 10:12].round(4)  # of chain 1 at beads 11 and 12, in beads / T
     array([1.2393, 1.2393])
     >>> round(float(long_waves.speed_over_sound(2.0)), 4), long_waves.cell_beads(system)
@@ -51,7 +49,7 @@ def speed_over_sound(ratio: Floats | float, exponent: float = 1.5) -> Floats:
     exponent p: ``sqrt{2 / (p (p + 1)) (p + f^(1 + 1/p) - (p + 1) f^(1/p))} / (f^(1/p) - 1)``.
 
     Args:
-        ratio: [...] largest total force of a contact over that at rest, f.
+        ratio: [...] largest total force of a contact over that at rest, f; dimensionless.
         exponent: exponent p of the contact force.
 
     Returns:
@@ -103,9 +101,15 @@ def cell_beads(system: System) -> int:
 
 
 def sound_speed(system: System) -> Floats:
-    """Speed of long waves at every bead, [chain, bead] in beads / T, from the masses and contacts near it.
+    """Speed of long waves at every bead, from the masses and contacts near it.
 
     ``sqrt(1 / (mean mass * mean compliance))``, exact where all beads, or all cells of beads, are the same.
+
+    Args:
+        system: masses and contacts.
+
+    Returns:
+        [chain, bead] in units of beads / T; 0 without a static load.
     """
     stiffness = np.broadcast_to(
         sum(laws.stiffness(link.law, 0.0) for link in system.along), (system.chains, system.beads - 1)

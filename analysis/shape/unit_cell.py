@@ -8,12 +8,10 @@ Plug-ins take this module for small waves in loaded chains: `bands` has the freq
 the `UnitCell`, with branches and modes at any wavenumber, or a `NoDispersionError` that says why there is none.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import unit_cell
-    >>> system = load("precompressed").system
+    >>> system = granchain.load("precompressed").system
     >>> unit_cell.bands(system).round(3)  # [branch, 2] in 1 / T
     array([[0.   , 2.479]])
-    >>> unit_cell.bands(load("one-chain").system) is None  # without a load there is no sound
+    >>> unit_cell.bands(granchain.load("one-chain").system) is None  # without a load there is no sound
     True
 """
 
@@ -187,7 +185,14 @@ def cell_of(system: System) -> UnitCell:
 
 
 def bands(system: System) -> Floats | None:
-    """Lowest and highest angular frequency of every branch of small waves, [branch, 2] in 1 / T; None if undefined."""
+    """Lowest and highest angular frequency of every branch of small waves.
+
+    Args:
+        system: masses and links.
+
+    Returns:
+        [branch, 2] in units of 1 / T; None where there is no dispersion relation (`cell_of`).
+    """
     try:
         return cell_of(system).bands()
     except NoDispersionError:

@@ -14,9 +14,7 @@ frequencies come close (Landau and Zener; Novotny 2010). Rows are independent of
 Plug-ins take this module for the flow of energy between chains: `EnergyFlow` collects a `Flow`.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import energies, engine, watch
-    >>> problem = load("two-chains", {"beads": 20, "duration": 30.0}).problem()
+    >>> problem = granchain.load("two-chains", {"beads": 20, "duration": 30.0}).problem()
     >>> frames = engine.run(problem)
     >>> flow = watch(energies.EnergyFlow(problem), frames.blocks()).result()
     >>> flow.share[[0, 150, 300]].round(3)  # [instant, chain], at t = 0, 15 T and 30 T

@@ -15,9 +15,7 @@ Plug-ins take this module for impulses of contacts: `measure` reads them from fr
 `Impulses` itself, `relative_difference` compares the chains.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import engine, impulses
-    >>> problem = load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
     >>> frames = engine.run(problem)
     >>> received = impulses.measure(problem, frames.blocks())
     >>> received.bead[:3], received.first[0, :3].round(3)  # of chain 1, in m V
@@ -92,7 +90,14 @@ def compared_by_impulses(system: System) -> bool:
 
 
 def relative_difference(impulse: Floats) -> Floats:
-    """Relative difference of chains, [row]: (largest - smallest) / mean of impulses [chain, row]; NaN without any."""
+    """Relative difference of the impulses of chains: (largest - smallest) / mean.
+
+    Args:
+        impulse: [chain, row] in units of m V.
+
+    Returns:
+        [row] dimensionless; NaN where the mean is not positive.
+    """
     mean = impulse.mean(axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(mean > 0.0, (impulse.max(axis=0) - impulse.min(axis=0)) / mean, np.nan)

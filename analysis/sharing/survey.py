@@ -73,9 +73,7 @@ class Survey:
         tolerances: within which a pulse counts as solitary.
 
     Examples:
-        >>> from granchain import load
-        >>> from granchain.parts import Survey, engine
-        >>> problem = load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+        >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
         >>> frames = engine.run(problem)
         >>> survey = Survey(problem, frames.blocks, arrival="maximum")
         >>> survey.waves.at(15).arrival.round(2), survey.waves.at(15).peak_velocity.round(3)  # in units of T and V

@@ -7,9 +7,7 @@ Plug-ins take this module for the leading pulses: `Waves` is the table that a su
 `leading_passages` give its maxima alone, `usual_arrival` the definition of an arrival.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import engine, leading_waves, watch
-    >>> problem = load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
     >>> frames = engine.run(problem)
     >>> peaks = watch(leading_waves.leading_finder(problem), frames.blocks()).result()
     >>> leading_waves.leading_passages(peaks, problem).time[:3].round(3)  # at beads 1 to 3, in units of T

@@ -7,9 +7,7 @@ Plug-ins take this module for maxima of velocity: a `PeakFinder` is shown a run 
 which of them have a defined time.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import engine, peaks, watch
-    >>> problem = load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
     >>> frames = engine.run(problem)
     >>> maxima = watch(peaks.PeakFinder(), frames.blocks()).result()
     >>> maxima.bead[8:10], maxima.velocity[8:10].round(4), maxima.time[8:10].round(2)  # in units of V and T

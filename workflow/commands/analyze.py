@@ -5,8 +5,6 @@ tables.
 
 Examples:
     >>> import argparse
-    >>> import granchain
-    >>> from granchain.parts import analyze
     >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
     >>> done = granchain.run(scene, tmp / "run", engine="reference")
     >>> arguments = argparse.Namespace(directory=tmp / "run", beads=None, no_figures=True, arrival=None)

@@ -46,7 +46,6 @@ def write(arguments: argparse.Namespace, further: FurtherFiles | None = None) ->
 
     Examples:
         >>> import argparse
-        >>> from granchain.parts import write
         >>> scene = "{name: short, beads: 20, kick: {velocity: 1.0}, duration: 30.0, timestep: 0.01}"
         >>> _ = (tmp / "short.yaml").write_text(scene)
         >>> arguments = {"scene": str(tmp / "short.yaml"), "output": tmp / "deck", "overwrite": False, "force": False}

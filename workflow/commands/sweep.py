@@ -72,7 +72,6 @@ def case_decks(arguments: argparse.Namespace) -> AbstractContextManager[CaseDeck
 
     Examples:
         >>> import argparse
-        >>> from granchain.parts import case_decks
         >>> _ = (tmp / "sweep.yaml").write_text("{scene: one-chain, vary: {kick.velocity: [1.0, 2.0]}}")
         >>> with case_decks(argparse.Namespace(sweep=tmp / "sweep.yaml", output=tmp / "swept", jobs=1)) as decks:
         ...     decks.to_do

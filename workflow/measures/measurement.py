@@ -4,8 +4,6 @@ Plug-ins take this module for measures of their own: a class from `Measurement`,
 values, lines, table and figure; its `Meter` sees the frames of a run, which is `Recorded`.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import measurement, quantity
     >>> @quantity.result
     ... class Largest:
     ...     velocity: float = quantity.declare("largest velocity of any bead", "velocity")
@@ -13,7 +11,7 @@ Examples:
     ...     key, kind = "largest", Largest
     ...     def lines(self):
     ...         yield f"largest velocity {self.problem.scale.written(self.values.velocity, 'velocity')}"
-    >>> [*LargestVelocity(load("two-chains-steel").problem(), Largest(0.5)).lines()]
+    >>> [*LargestVelocity(granchain.load("two-chains-steel").problem(), Largest(0.5)).lines()]
     ['largest velocity 0.5 m/s']
 """
 

@@ -4,9 +4,7 @@ Plug-ins take this module to measure contacts that yield: a `YieldMeter` is show
 keep at the end, and a table of them.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import engine, plastic, watch
-    >>> problem = load("plastic-contacts").problem()
+    >>> problem = granchain.load("plastic-contacts").problem()
     >>> frames = engine.run(problem)
     >>> yielded, contacts = watch(plastic.YieldMeter(), frames.blocks()).result()
     >>> yielded.contacts, contacts.permanent[:3].round(4)  # permanent overlaps in units of L

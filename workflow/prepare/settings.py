@@ -63,9 +63,7 @@ def settle(
         InputError: the end is not reached, the time step is unstable, or no step keeps the accuracy.
 
     Examples:
-        >>> from granchain import load
-        >>> from granchain.parts import settle
-        >>> scene, chosen = settle(load("one-chain", {"beads": 20, "duration": 30.0}))
+        >>> scene, chosen = settle(granchain.load("one-chain", {"beads": 20, "duration": 30.0}))
         >>> round(scene.timestep, 4), chosen.accuracy
         (0.0111, 0.0002)
     """

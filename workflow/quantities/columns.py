@@ -7,7 +7,6 @@ Plug-ins take this module for names that users give: `refuse_unknown` refuses wh
 the label and unit of one, `KNOWN` are those that `evaluate` computes in memory.
 
 Examples:
-    >>> from granchain.parts import columns
     >>> column = columns.column_called("peak_velocity@100")
     >>> column.label, column.unit(si=True)
     ('peak velocity at bead 100', 'm/s')

@@ -7,9 +7,7 @@ Plug-ins take this module for numbers by name: `of_scene` runs a scene, `of_fram
 computation of a study in a worker process.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import evaluate
-    >>> scene = load("one-chain", {"beads": 20, "duration": 30.0})
+    >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
     >>> numbers = evaluate.of_scene(scene.plain(), ("peak_velocity@10", "speed", "beat_length"), "scene")
     >>> {name: value if value is None else round(value, 3) for name, value in numbers.items()}
     {'peak_velocity@10': 0.682, 'speed': 0.841, 'beat_length': None}
@@ -200,9 +198,7 @@ def case(plain: dict[str, Any], names: Sequence[str], source: str, masses: Masse
         The computation; its value is that of `evaluated`.
 
     Examples:
-        >>> from granchain import load
-        >>> from granchain.parts import case
-        >>> computation = case(load("one-chain").plain(), ["speed"], "scene")
+        >>> computation = case(granchain.load("one-chain").plain(), ["speed"], "scene")
         >>> computation.task.function
         'workflow.quantities.evaluate:evaluated'
     """

@@ -61,7 +61,6 @@ class Study:
         resume: what to do where the study is not finished, for ``granchain status``.
 
     Examples:
-        >>> from granchain.parts import Study, csv_text
         >>> study = Study("scan", result="scan.csv is the table", tables=("scan.csv",), cache="cases.jsonl")
         >>> with study.opened(tmp / "scanned") as cache:  # values of cases of earlier starts, by key
         ...     study.write(tmp / "scanned", {"scan.csv": csv_text([{"coupling": 0.1, "amplitude": 0.682}])})
@@ -236,7 +235,6 @@ def csv_text(rows: Sequence[Mapping[str, Any]], head: Sequence[str] = ()) -> str
         The text, a line for each row.
 
     Examples:
-        >>> from granchain.parts import csv_text
         >>> csv_text([{"coupling": 0.1, "beat_length": 58.0}, {"coupling": 0.0, "beat_length": None}]).splitlines()
         ['coupling,beat_length', '0.1,58.0', '0.0,']
     """

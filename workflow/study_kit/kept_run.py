@@ -24,9 +24,7 @@ def kept_run(scene: Scene, engine: str, path: Path) -> RunDirectory:
         RunError: the run failed.
 
     Examples:
-        >>> from granchain import load
-        >>> from granchain.parts import kept_run
-        >>> scene = load("one-chain", {"beads": 20, "duration": 30.0})
+        >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
         >>> first = kept_run(scene, "reference", tmp / "run")
         >>> kept_run(scene, "reference", tmp / "run").job.started == first.job.started  # it was not run again
         True

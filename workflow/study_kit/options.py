@@ -5,7 +5,6 @@ of numbers, `split`, `both_ends` and `second_field` read words, `interrupted` is
 
 Examples:
     >>> import argparse
-    >>> from granchain.parts import options
     >>> parser = argparse.ArgumentParser()
     >>> options.add_output(parser)
     >>> _ = parser.add_argument("--rows", type=options.within(int, 1, 100), default=10)

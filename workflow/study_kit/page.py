@@ -4,7 +4,6 @@ Plug-ins take this module for reports of studies: `drawn` makes a figure a `Page
 of a body, `document` is the page.
 
 Examples:
-    >>> from granchain.parts import page
     >>> body = page.table(["kappa", "amplitude"], [["0.1", "0.341"]])
     >>> _ = (tmp / "report.html").write_text(page.document("Scan", "Amplitudes.", body, cited=["nesterenko1983"]))
     >>> body.partition("<tr>")[2]

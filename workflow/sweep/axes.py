@@ -4,9 +4,7 @@ Plug-ins take this module for tables and figures over fields or quantities by na
 an axis or a page.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import axes
-    >>> scene = load("two-chains-steel").plain()
+    >>> scene = granchain.load("two-chains-steel").plain()
     >>> axes.heading("coupling.stiffness", scene), axes.heading("peak_velocity@50", scene)
     ('coupling.stiffness (N/m)', 'peak_velocity@50 (m/s)')
     >>> axes.label("kick.velocity", scene).plain

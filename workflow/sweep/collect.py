@@ -3,8 +3,6 @@
 Plug-ins take this module for tables of sweeps: `collect` gathers the cases below a directory into a `SweepTable`.
 
 Examples:
-    >>> import granchain
-    >>> from granchain.parts import collect
     >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
     >>> done = granchain.run(scene, tmp / "runs" / "first", engine="reference")
     >>> waves = granchain.analyze(done).waves

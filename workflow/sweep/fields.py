@@ -5,9 +5,7 @@ Plug-ins take this module for fields that users name: `parse` reads a path, or s
 `look_up` and `put_all` read and set values in plain data of a scene, `unit`, `label` and `bounds` describe a field.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import fields
-    >>> scene = load("two-chains").plain()
+    >>> scene = granchain.load("two-chains").plain()
     >>> path = fields.parse("coupling.stiffness", scene)
     >>> fields.look_up(scene, path), fields.label(path, scene).plain
     (0.1, 'coupling stiffness k (reduced)')

@@ -4,7 +4,6 @@ Plug-ins take this module to read such files: a class from `FilePart` names keys
 refuses it in a line that names the key, `scene_in` reads the scene, `scene_of_file` is its JSON schema.
 
 Examples:
-    >>> from granchain.parts import file_parts
     >>> class Search(file_parts.FilePart):
     ...     tolerance: float
     >>> file_parts.validated(Search, {"tolerance": 0.01}, "search.yaml: ").tolerance

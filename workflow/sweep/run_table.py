@@ -23,8 +23,6 @@ def table_of(runs: Sequence[RunDirectory]) -> SweepTable:
         The table, [run], with the name of each directory as its case.
 
     Examples:
-        >>> import granchain
-        >>> from granchain.parts import table_of
         >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
         >>> table = table_of([granchain.run(scene, tmp / "run", engine="reference").directory])
         >>> table.numbers("peak_velocity").round(3)

@@ -4,8 +4,6 @@ Plug-ins take this module for the analysis of a run: `measure` writes nothing, `
 `default_beads` are those whose velocity is drawn, `figures_in` the figures that were drawn.
 
 Examples:
-    >>> import granchain
-    >>> from granchain.parts import analyse
     >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
     >>> done = granchain.run(scene, tmp / "run", engine="reference")
     >>> measured = analyse.measure(done.directory, figures=False)

@@ -3,8 +3,6 @@
 Plug-ins take this module for pages: `lines` are all sentences and tables of an analysis, `of_pulses` those of a survey.
 
 Examples:
-    >>> import granchain
-    >>> from granchain.parts import analysis_lines
     >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
     >>> done = granchain.run(scene, tmp / "run", engine="reference")
     >>> [line for line in analysis_lines.lines(granchain.analyze(done)) if "energy input" in line][0]

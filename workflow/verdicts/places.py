@@ -4,7 +4,6 @@ Plug-ins take this module for help on quantities: `places` goes through all of t
 column, and its meaning.
 
 Examples:
-    >>> from granchain.parts import places
     >>> [place] = [place for place in places.places() if place.where == "waves.csv: column arrival"]
     >>> place.quantity.symbol, place.quantity.unit, place.quantity.meaning
     ('t', 'time', 'time at which the pulse passes the bead: that of the largest velocity, or the centre of the impulse')

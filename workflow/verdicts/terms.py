@@ -5,7 +5,6 @@ The manual's page of quantities holds both; `granchain help TERM` prints a term.
 Plug-ins take this module for help on verdicts: `explained` has the criterion of a term, `manual` the page's section.
 
 Examples:
-    >>> from granchain.parts import terms
     >>> terms.explained("decaying")
     'contacts or beads dissipate energy, and the amplitude is smaller than 10 beads before'
 """

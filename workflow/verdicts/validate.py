@@ -4,9 +4,7 @@ Plug-ins take this module for comparisons: a `Validation` is the result of one, 
 pass.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import difference, engine, validate
-    >>> problem = load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
     >>> frames = engine.run(problem)
     >>> errors = difference.errors_of(frames.blocks(), frames.blocks())
     >>> validate.Validation(problem, "itself", errors, validate.TOLERANCES, frames.frames, frames.frames)

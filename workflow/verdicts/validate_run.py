@@ -4,9 +4,7 @@ Plug-ins take this module to compare two runs: `compare_runs` gives the `Validat
 were compared, `scene_changes` the fields in which two scenes differ.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import validate_run
-    >>> validate_run.scene_changes(load("two-chains"), load("two-chains-strong"))
+    >>> validate_run.scene_changes(granchain.load("two-chains"), granchain.load("two-chains-strong"))
     {'coupling.stiffness': ('0.1', '0.5')}
 """
 

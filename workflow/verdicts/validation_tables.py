@@ -4,8 +4,6 @@ Plug-ins take this module for pages that compare runs: `deviation_table`, `chain
 `uncertainty_lines` and `bitwise_line` sentences.
 
 Examples:
-    >>> import granchain
-    >>> from granchain.parts import validate_run, validation_tables
     >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
     >>> done = granchain.run(scene, tmp / "run", engine="reference")
     >>> comparison, _ = validate_run.compare_runs((done.directory, done.directory))

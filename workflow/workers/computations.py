@@ -7,7 +7,6 @@ Plug-ins take this module for the cases of studies: `case` makes a `Computation`
 `key_of` a key of plain data; `Study.evaluating` computes them, or `evaluate` without a directory.
 
 Examples:
-    >>> from granchain.parts import computations
     >>> cases = [computations.case("statistics:fmean", {"data": data}) for data in ([1.0, 2.0], [3.0, 5.0])]
     >>> computations.values(cases)  # each in a worker process
     [1.5, 4.0]

@@ -3,9 +3,7 @@
 Plug-ins take this module to measure forces in runs whose scenes do not ask for them: `read` gives the `Readings`.
 
 Examples:
-    >>> from granchain import load
-    >>> from granchain.parts import engine, forces
-    >>> problem = load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
     >>> frames = engine.run(problem)
     >>> readings = forces.read(frames.blocks(), problem, contacts=(10,))
     >>> readings.impulse.round(3)  # [chain, gauge] in m V
