@@ -141,7 +141,18 @@ class Trajectory:
         exchange: Floats | None = None,
         contact_state: Floats | None = None,
     ) -> "Trajectory":
-        """Frames of arrays [frame, line, bead], the chains' first and further lines after them, if at all."""
+        """Frames of arrays of all atoms, the chains' first and further lines after them, if at all.
+
+        Args:
+            problem: what was computed.
+            time: [frame] in units of T.
+            displacement: [frame, line, bead] in units of L.
+            velocity: [frame, line, bead] in units of V.
+            first, exchange, contact_state: see `Trajectory`.
+
+        Returns:
+            The frames.
+        """
         chains = problem.chains
         further = np.stack([displacement, velocity], axis=1)[:, :, chains:] if displacement.shape[1] > chains else None
         return cls(
@@ -186,7 +197,7 @@ class Trajectory:
 
     @property
     def atoms(self) -> tuple[Floats, Floats]:
-        """Displacement and velocity, each [frame, line, bead], of the chains and further lines after them."""
+        """Displacement and velocity, [frame, line, bead] in units of L and V, of chains and further lines after them."""
         x, v = self.displacement, self.velocity
         if self.further_lines is None:
             return x, v
@@ -200,7 +211,7 @@ class Trajectory:
 
     @property
     def spacing(self) -> float:
-        """Time between two frames: a multiple of the problem's to the last bit, which a difference of times is not."""
+        """Time between two frames, in units of T: a multiple of the problem's to the last bit, unlike a difference."""
         every = self.problem.every
         return every * max(1, round(float(self.time[1] - self.time[0]) / every))
 
@@ -239,7 +250,11 @@ class Trajectory:
         return self.problem.forces_known or (self.contact_state is not None and self.problem.recorded is None)
 
     def states(self) -> Iterator[tuple[Floats, Floats, Floats | None]]:
-        """Displacements and velocities of all atoms [line, bead], states of contacts [chain, bead + 1], by frame."""
+        """Displacements and velocities of all atoms [line, bead] in units of L and V, states of contacts, by frame.
+
+        Yields:
+            Displacement and velocity of a frame, and states [chain, bead + 1]; None where no force depends on one.
+        """
         for frame, (x, v) in enumerate(zip(*self.atoms, strict=True)):
             yield x, v, None if self.contact_state is None else self.contact_state[frame]
 
@@ -257,10 +272,10 @@ class Trajectory:
         return system if self.contact_state is None else physics.at_contact_state(system, self.contact_state[frames])
 
     def with_motion(self, time: Floats, displacement: Floats, velocity: Floats) -> "Trajectory":
-        """Frames of the same beads at other times, [frame], in the states of contacts of these.
+        """Frames of the same beads at other times, in the states of contacts of these.
 
         Args:
-            time: in units of T.
+            time: [frame] in units of T.
             displacement: [frame, line, bead] in units of L, further lines of atoms after the chains.
             velocity: [frame, line, bead] in units of V.
 
@@ -291,7 +306,15 @@ class Trajectory:
         return slice(max(0, int(places[0]) - 1), int(places[-1]) + 2)
 
     def on(self, first: int, last: int, *, behind: float = 0.0) -> "Trajectory":
-        """These frames at beads ``first`` to ``last``: 0 ahead of a window, ``behind`` at beads that it has left."""
+        """These frames at other consecutive beads, some of which a window does not hold.
+
+        Args:
+            first, last: numbers of the beads at the ends.
+            behind: displacement and velocity of beads that the window has left; those ahead of it have 0.
+
+        Returns:
+            The frames.
+        """
         count = self.velocity.shape[2]
         if (first, last) == (self.first, self.first + count - 1):
             return self
