@@ -197,7 +197,7 @@ class Trajectory:
 
     @property
     def atoms(self) -> tuple[Floats, Floats]:
-        """Displacement and velocity, [frame, line, bead] in units of L and V, of chains and further lines after them."""
+        """Displacement and velocity, [frame, line, bead] in units of L and V, of chains and then further lines."""
         x, v = self.displacement, self.velocity
         if self.further_lines is None:
             return x, v
@@ -211,7 +211,7 @@ class Trajectory:
 
     @property
     def spacing(self) -> float:
-        """Time between two frames, in units of T: a multiple of the problem's to the last bit, unlike a difference."""
+        """Time between two frames, in units of T: a multiple of the problem's to the last bit, not a difference of times."""
         every = self.problem.every
         return every * max(1, round(float(self.time[1] - self.time[0]) / every))
 
