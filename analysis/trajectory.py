@@ -148,7 +148,9 @@ class Trajectory:
             time: [frame] in units of T.
             displacement: [frame, line, bead] in units of L.
             velocity: [frame, line, bead] in units of V.
-            first, exchange, contact_state: see `Trajectory`.
+            first: bead that the last axis begins with.
+            exchange: [frame, `EXCHANGES`] in units of m V**2.
+            contact_state: [frame, chain, bead + 1], as of `Trajectory`.
 
         Returns:
             The frames.
@@ -211,7 +213,7 @@ class Trajectory:
 
     @property
     def spacing(self) -> float:
-        """Time between two frames, in units of T: a multiple of the problem's to the last bit, not a difference of times."""
+        """Time between two frames, in units of T: a multiple of the problem's to the last bit."""
         every = self.problem.every
         return every * max(1, round(float(self.time[1] - self.time[0]) / every))
 
@@ -298,7 +300,14 @@ class Trajectory:
         return self.moving_at(slice(None))
 
     def moving_at(self, frames: slice | Integers) -> slice:
-        """Range of positions of the beads that frames, [frame], show displaced or moving, and one on either side."""
+        """Beads that some frames show displaced or moving, and one on either side.
+
+        Args:
+            frames: [frame] positions of the frames, or a slice of them.
+
+        Returns:
+            Range of positions along the last axis.
+        """
         moved = np.any(self.velocity[frames], axis=(0, 1)) | np.any(self.displacement[frames], axis=(0, 1))
         places = np.flatnonzero(moved)
         if len(places) == 0:

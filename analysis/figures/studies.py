@@ -88,7 +88,7 @@ class StudyAxis:
 
     @property
     def open(self) -> Flags:
-        """Cases that have a number which may yet change."""
+        """Cases, [case], that have a number which may yet change."""
         defined = np.isfinite(self.values)
         return defined & self.unsettled if self.unsettled is not None else np.zeros_like(defined)
 
@@ -99,7 +99,7 @@ class StudyAxis:
 
     @property
     def edges(self) -> Floats:
-        """Borders [value + 1] of the cells around the distinct values, in ascending order."""
+        """Borders [value + 1] of the cells around the distinct values, in their unit, ascending."""
         return edges(np.unique(self.values))
 
     @property

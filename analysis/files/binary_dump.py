@@ -122,7 +122,7 @@ class BinaryDump:
             columns: names of the columns to keep; all of them by default.
 
         Returns:
-            [frame, column, atom].
+            [frame, column, atom] in the units of the dump.
 
         Raises:
             InputError: a column is not there, or a frame is damaged or holds other atoms than the first frame.

@@ -219,8 +219,9 @@ class Writer:
 
         Args:
             step: number of the time step.
-            displacement: [line, recorded bead], further lines of atoms after the chains (`Trajectory.atoms`).
-            velocity: [line, recorded bead], with the same lines.
+            displacement: [line, recorded bead] in units of L, further lines of atoms after the chains
+                (`Trajectory.atoms`).
+            velocity: [line, recorded bead] in units of V, with the same lines.
             contact_state: [chain, bead + 1] states of contacts, where forces depend on them.
 
         Raises:

@@ -64,15 +64,28 @@ class UnitCell:
         return int(self.mass.shape[1])
 
     def branches(self, wavenumber: Floats) -> Floats:
-        """Angular frequencies in 1 / T, ascending, [wavenumber, branch]; wavenumbers in radians a bead."""
+        """Angular frequencies of all branches.
+
+        Args:
+            wavenumber: [wavenumber] in units of radians a bead.
+
+        Returns:
+            [wavenumber, branch] in units of 1 / T, ascending.
+        """
         squares = np.linalg.eigvalsh(self._dynamical_matrix(wavenumber))
         return np.asarray(np.sqrt(np.maximum(squares, 0.0)))
 
     def modes(self, wavenumber: Floats) -> tuple[Floats, Complexes]:
-        """Angular frequencies [wavenumber, branch] in 1 / T, ascending; mode shapes [wavenumber, branch, line, bead].
+        """Angular frequencies of all branches, and their mode shapes.
 
         A shape is that of the velocities over ``exp(i q n)``, n counting the beads, times the root of the masses:
         shapes of one wavenumber are orthonormal. It is 0 where there is no atom.
+
+        Args:
+            wavenumber: [wavenumber] in units of radians a bead.
+
+        Returns:
+            [wavenumber, branch] in units of 1 / T, ascending; [wavenumber, branch, line, bead] dimensionless.
         """
         squares, vectors = np.linalg.eigh(self._dynamical_matrix(wavenumber))
         shapes = np.zeros((*squares.shape, self.mass.size), dtype=complex)
@@ -116,7 +129,7 @@ class UnitCell:
         return math.nan if abs(half) < 1.0 else math.copysign(math.exp(-math.acosh(abs(half))), half)
 
     def bands(self) -> Floats:
-        """Lowest and highest angular frequency of every branch, [branch, 2] in 1 / T.
+        """Lowest and highest angular frequency of every branch, [branch, 2] in units of 1 / T.
 
         Branches are numbered by their frequency at each wavenumber. Where two of them cross, the end of the lower band
         is the beginning of the upper one.
