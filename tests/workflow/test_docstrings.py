@@ -11,6 +11,7 @@ import granchain
 from analysis.columns import Columns
 from analysis.tracking.leading_waves import Waves
 from analysis.trajectory import FramesInUnits, Trajectory
+from granchain import parts
 from lammps_inputs.scene import BaseScene
 from workflow.runs.completed_run import Check, CompletedRun
 from workflow.runs.run_directory import RunDirectory
@@ -74,7 +75,7 @@ def test_the_example_prints_what_is_written(name, place, monkeypatch):
     monkeypatch.chdir(place)
     lines = []
     test = EXAMPLES[name]
-    test.globs = {"granchain": granchain}
+    test.globs = {"granchain": granchain, "engine": parts.engine}
     doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(test, out=lines.append)
     assert lines == []
 
