@@ -3,7 +3,7 @@
 Each name is documented where it is defined. It is imported when it is first used, so that a command loads only what it
 needs. A plug-in imports nothing else of the core; what users call is in `granchain`.
 
-In examples `granchain`, these names and ``np``, which is NumPy, are imported; ``tmp`` is the path of an empty directory.
+In examples `granchain`, these names and ``np`` (NumPy) are imported; ``tmp`` is the path of an empty directory.
 """
 
 from typing import TYPE_CHECKING, Any
