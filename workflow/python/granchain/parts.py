@@ -3,7 +3,8 @@
 Each name is documented where it is defined. It is imported when it is first used, so that a command loads only what it
 needs. A plug-in imports nothing else of the core; what users call is in `granchain`.
 
-In examples `granchain`, these names and ``np`` (NumPy) are imported; ``tmp`` is the path of an empty directory.
+Examples in its documentation begin with the module or function itself, as imported from here, and use `granchain`,
+NumPy as `np`, and `tmp`, the path of an empty directory.
 """
 
 from typing import TYPE_CHECKING, Any
