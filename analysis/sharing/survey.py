@@ -70,6 +70,15 @@ class Survey:
             with their exchange (`analysis.trajectory.EXCHANGES`) where forces from outside act on the beads.
         arrival: what an arrival of ``waves`` is; the passages of ``pulses`` are always the maxima.
         tolerances: within which a pulse counts as solitary.
+
+    Examples:
+        >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+        >>> frames = engine.run(problem)
+        >>> survey = Survey(problem, frames.blocks, arrival="maximum")
+        >>> survey.waves.at(15).arrival.round(2), survey.waves.at(15).peak_velocity.round(3)  # in units of T and V
+        (array([17.43]), array([0.682]))
+        >>> len(survey.pulses), survey.pulses[0].direction
+        (1, 1)
     """
 
     problem: Problem

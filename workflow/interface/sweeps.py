@@ -111,6 +111,10 @@ class NotebookFigure:
 
     Attributes:
         figure: the ``matplotlib.figure.Figure``, which may be changed and saved.
+
+    Examples:
+        >>> granchain.plot(granchain.collect("swept"), "speed", over="kick.velocity")
+        <figure; the attribute `figure` is matplotlib's>
     """
 
     figure: "Figure"

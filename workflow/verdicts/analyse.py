@@ -1,4 +1,17 @@
-"""Analyse a run directory: ``waves.csv``, ``analysis.json`` and the figures beside the frames, which are read twice."""
+"""Analyse a run directory: ``waves.csv``, ``analysis.json`` and the figures beside the frames, which are read twice.
+
+Plug-ins take this module for the analysis of a run: `measure` writes nothing, `analyse` writes it beside the frames,
+`default_beads` are those whose velocity is drawn, `figures_in` the figures that were drawn.
+
+Examples:
+    >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
+    >>> done = granchain.run(scene, tmp / "run", engine="reference")
+    >>> measured = analyse.measure(done.directory, figures=False)
+    >>> measured.survey.waves.at(15).peak_velocity.round(3), sorted(measured.tables)  # in units of V
+    (array([0.682]), ['waves.csv'])
+    >>> analyse.default_beads(done.directory.problem)
+    (4, 11, 18)
+"""
 
 import math
 import warnings
@@ -69,6 +82,13 @@ class Analysis:
         derivatives: of quantities by fields of the scene, where they were asked for; records with ``quantity``,
             ``field``, ``value``, ``derivative``, ``uncertainty``, ``unit`` and ``relative``.
         error: measured error of the run, which the uncertainties cover.
+
+    Examples:
+        >>> analysis = granchain.analyze("out")
+        >>> analysis.complete, analysis.tables
+        (True, ('waves.csv',))
+        >>> analysis.survey.pulses[0].direction, analysis.conservation.energy_drift < 1e-4
+        (1, True)
     """
 
     problem: Problem
@@ -388,7 +408,14 @@ def _sane(directory: RunDirectory, blocks: Iterator[Trajectory]) -> Iterator[Tra
 
 
 def default_beads(problem: Problem) -> tuple[int, ...]:
-    """Three recorded beads: near a sixth, a half and nine tenths of the way, or near the kick where no pulse runs."""
+    """Three recorded beads: near a sixth, a half and nine tenths of the way, or near the kick where no pulse runs.
+
+    Args:
+        problem: what was run.
+
+    Returns:
+        Numbers of the beads, ascending.
+    """
     recorded = problem.recorded_beads
     if not problem.system.holds(Fact.PULSE):
         kicked_bead = physics.largest_excitation(problem.system)[1]

@@ -1,4 +1,15 @@
-"""Compare a run with an accurate reference, quantity by quantity."""
+"""Compare a run with an accurate reference, quantity by quantity.
+
+Plug-ins take this module for comparisons: a `Validation` is the result of one, `TOLERANCES` are the largest errors let
+pass.
+
+Examples:
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> frames = engine.run(problem)
+    >>> errors = difference.errors_of(frames.blocks(), frames.blocks())
+    >>> validate.Validation(problem, "itself", errors, validate.TOLERANCES, frames.frames, frames.frames)
+    <validation of one-chain against itself: passed>
+"""
 
 import math
 from collections.abc import Iterable
@@ -86,6 +97,11 @@ class Validation:
         interpolation: bounds on the errors of (displacement, velocity) that interpolating between frames added; None if
             that was not needed.
         runs: how the run differs from another one; None where it was not compared with one.
+
+    Examples:
+        >>> comparison = granchain.validate("out")
+        >>> comparison.deviations["velocity"].largest < comparison.tolerances["velocity"], comparison.causes
+        (True, ())
     """
 
     problem: Problem

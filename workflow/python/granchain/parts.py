@@ -2,6 +2,9 @@
 
 Each name is documented where it is defined. It is imported when it is first used, so that a command loads only what it
 needs. A plug-in imports nothing else of the core; what users call is in `granchain`.
+
+Examples in its documentation begin with the module or function itself, as imported from here, and use `granchain`,
+NumPy as `np`, and `tmp`, the path of an empty directory.
 """
 
 from typing import TYPE_CHECKING, Any
