@@ -15,7 +15,7 @@ from workflow import lazy_names
 ROOT = Path(__file__).parents[1]
 PLUG_INS = ROOT / "workflow" / "plugins"
 FACES = ("granchain", "granchain.parts")
-MOST_NAMES = 130
+MOST_NAMES = 120
 """Names of the core that all plug-ins together may take."""
 BELOW = {
     "lammps_inputs": set(),
