@@ -2,7 +2,14 @@
 
 
 class InputError(ValueError):
-    """A scene, file or option that cannot be used; its text is one line that states what to do (exit code 2)."""
+    """A scene, file or option that cannot be used; its text is one line that states what to do (exit code 2).
+
+    Examples:
+        >>> granchain.load("one-chain", {"beads": 0})
+        Traceback (most recent call last):
+            ...
+        lammps_inputs.errors.InputError: one-chain: beads: should be greater than or equal to 2, 0 given
+    """
 
     def __init__(self, message: str) -> None:
         one_line = " ".join(message.split())

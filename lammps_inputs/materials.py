@@ -29,7 +29,13 @@ YieldStrength = Annotated[
 
 
 class Solid(NamedTuple):
-    """An isotropic elastic solid, in SI units, and the publication of its values (a key of `references.bib`)."""
+    """An isotropic elastic solid, in SI units, and the publication of its values (a key of `references.bib`).
+
+    Examples:
+        >>> solid = granchain.Solid(70e9, 0.2, 2500.0, "en572", "Soda lime silicate glass")
+        >>> solid == granchain.materials["glass"]
+        True
+    """
 
     youngs_modulus: float
     poisson_ratio: float
@@ -50,6 +56,13 @@ CATALOGUE: dict[str, Solid] = {
     "glass": Solid(70e9, 0.2, 2500.0, "en572", "Soda lime silicate glass"),
     "ptfe": Solid(1.46e9, 0.46, 2178.0, "daraio2005", "Polytetrafluoroethylene"),
 }
+"""Solids by name, those of other distributions included.
+
+Examples:
+    >>> steel = granchain.materials["steel"]
+    >>> steel.youngs_modulus, steel.density, steel.source  # Pa, kg/m3, key of references.bib
+    (193000000000.0, 8000.0, 'daraio2006')
+"""
 
 for _solids in plugins.loaded("materials").values():
     CATALOGUE |= _solids

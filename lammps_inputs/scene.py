@@ -56,6 +56,12 @@ DEFAULT_EVERY = 0.1
 DEFAULT_ACCURACY = 2e-4
 """Of a scene that names neither accuracy nor time step: displacements, peaks, arrivals and energies are then within the
 tolerances of ``granchain validate`` in all installed scenes; at 5e-4 one of them is exceeded in a quarter of them.
+
+Examples:
+    >>> granchain.load("two-chains").accuracy is None
+    True
+    >>> DEFAULT_ACCURACY  # in units of V
+    0.0002
 """
 
 MAX_STEPS = 10**12
@@ -146,6 +152,11 @@ class BaseScene(ScenePart, metaclass=SceneType):
     """Identical chains of touching or gapped beads on parallel lines, kicked at the start.
 
     Beside the keys here, a scene has one for each ingredient that it names.
+
+    Examples:
+        >>> scene = granchain.Scene(name="mine", beads=20, kick={"velocity": 1.0}, duration=30.0)
+        >>> scene, granchain.load(scene, {"beads": 30}).beads
+        (<scene mine: 1 chain of 20 beads>, 30)
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]

@@ -1,4 +1,10 @@
-"""JSON schemas of the files that users write, for editors that complete and check them."""
+"""JSON schemas of the files that users write, for editors that complete and check them.
+
+Examples:
+    >>> of_limits = schema.of(Limits, "site")
+    >>> of_limits["title"], sorted(of_limits["properties"])
+    ('granchain site', ['gigabytes', 'hours'])
+"""
 
 from typing import Any
 
@@ -40,7 +46,9 @@ def scene() -> dict[str, Any]:
 
 
 def _written(schema: Any) -> Any:
-    """Schema without null: alternatives of null and defaults of None are dropped at all depths."""
+    """Schema without null, as alternative or default, and without examples of Python, at all depths."""
+    if isinstance(schema, str):
+        return schema.partition("\n\nExamples:\n")[0]
     if isinstance(schema, list):
         return [_written(part) for part in schema]
     if not isinstance(schema, dict):

@@ -22,23 +22,17 @@ FACE = lazy_names.sources(granchain.__file__)
 
 UNDONE = frozenset(
     """
-    analyse Analysis analysis_lines analyze AnyDefinition AnyRun AnyScene axes Between BinaryDump case
-    case_decks channels channels.read channels.read_at checked cli cli.parser collect columns compiled
-    complaints complete computations continuation cost_model csv_text dashpot deck DEFAULT_ACCURACY difference
-    direction_of directory_of energies engine engine.given_by_dashpots engine.velocity_of_state engine_called
-    engines errors evaluate exact_wave Fact fields file_names file_parts Flags Floats forces formats
-    frames_per_block gauge gauge.at_frames Group hermite hermite.coefficients hermite.derivative
-    hermite.falling_zero hermite.value html impulses impulses.relative_difference InputError installed_scenes
-    Integers job joined kept_run kernel kernel_inputs labelled laws leading_waves library Limits long_waves
-    long_waves.sound_speed long_waves.speed_over_sound materials measurement motion motion.acceleration
-    motion.bead_energy motion.contact_force motion.energy motion.overlaps motion.participation
-    motion.strain_and_rates mpi NotebookFigure numbers options output_directory page paired peaks physics
-    physics.masses places plastic plugins Problem Processes provenance quantity radii rates recording references
-    registry residual_figure response_of restitution_of result run run_deck RunDirectory RunError Scene
-    scene_files schema schemes screen settle Solid source_of spacetime status step_time StepHalving strict_yaml
-    studies studies.largest_of studies.swept_figure Study style Survey SweepTable System table_of terms
-    THETA_OF_EQ_5 too_far_apart traces Trajectory Uncertainty unit_cell unit_cell.bands units validate
-    validate_run Validation validation_tables walls watch WavesTable window write write_frames write_text
+    analyse Analysis analysis_lines analyze axes BinaryDump case case_decks channels channels.read
+    channels.read_at cli cli.parser collect columns compiled computations cost_model csv_text difference
+    direction_of energies errors evaluate exact_wave fields file_parts Flags Floats forces frames_per_block
+    gauge gauge.at_frames Group hermite hermite.coefficients hermite.derivative hermite.falling_zero
+    hermite.value impulses impulses.relative_difference Integers joined kept_run leading_waves long_waves
+    long_waves.sound_speed long_waves.speed_over_sound measurement motion motion.acceleration motion.bead_energy
+    motion.contact_force motion.energy motion.overlaps motion.participation motion.strain_and_rates
+    NotebookFigure options page paired peaks places plastic quantity recording residual_figure response_of
+    result RunError settle spacetime step_time studies studies.largest_of studies.swept_figure Study style
+    Survey SweepTable table_of terms traces Trajectory unit_cell unit_cell.bands validate validate_run
+    Validation validation_tables watch WavesTable write
     """.split()  # noqa: SIM905  shorter, and does not last
 )
 """Names that still lack their example, and functions that still lack shapes, units or errors."""
