@@ -1,4 +1,10 @@
-"""JSON schemas of the files that users write, for editors that complete and check them."""
+"""JSON schemas of the files that users write, for editors that complete and check them.
+
+Examples:
+    >>> of_limits = schema.of(output.Limits, "site")
+    >>> of_limits["title"], sorted(of_limits["properties"])
+    ('granchain site', ['gigabytes', 'hours'])
+"""
 
 from typing import Any
 

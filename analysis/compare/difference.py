@@ -64,6 +64,12 @@ class Uncertainty:
             difference from the run with half as many steps, times `workflow.engines.reference.step_halving.SAFETY`.
         arrival: the same bound for arrivals of the leading pulse, in units of T, where `analysis.tracking.peaks.sharp`.
         energy, momentum: largest deviations from the kicks'.
+
+    Examples:
+        >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 5.0}).problem()
+        >>> uncertainty = StepHalving(problem).run()
+        >>> uncertainty.velocity < 1e-5, uncertainty.arrival < 1e-5  # in units of V and T
+        (True, True)
     """
 
     steps_per_frame: int
