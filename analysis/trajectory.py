@@ -318,7 +318,8 @@ class Trajectory:
         """These frames at other consecutive beads, some of which a window does not hold.
 
         Args:
-            first, last: numbers of the beads at the ends.
+            first: number of the first bead.
+            last: number of the last bead.
             behind: displacement and velocity of beads that the window has left; those ahead of it have 0.
 
         Returns:
@@ -399,23 +400,6 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
 Number = TypeVar("Number", int, Integers)
 
 
-def direction_of(problem: Problem) -> int:
-    """Direction of the largest excitation and the leading pulse: 1 towards higher bead numbers, -1 towards lower.
-
-    Args:
-        problem: problem with a kick, push, drive or striker.
-
-    Returns:
-        The direction, 1 or -1.
-
-    Examples:
-        >>> direction_of(granchain.load("one-chain", {"kick.bead": 120, "kick.velocity": -1.0}).problem())
-        -1
-    """
-    _, _, excitation = physics.largest_excitation(problem.system)
-    return 1 if excitation > 0.0 else -1
-
-
 def mirrored_bead(problem: Problem, bead: Number) -> Number:
     """Number of a bead in the mirror; twice is the bead itself."""
     return problem.beads + 1 - bead
@@ -423,7 +407,7 @@ def mirrored_bead(problem: Problem, bead: Number) -> Number:
 
 def along_the_way(problem: Problem, bead: Number) -> Number:
     """Number of a bead counted along the leading pulse's way: its own, or that in the mirror."""
-    return bead if direction_of(problem) > 0 else mirrored_bead(problem, bead)
+    return bead if problem.direction > 0 else mirrored_bead(problem, bead)
 
 
 def mirrored_problem(problem: Problem) -> Problem:

@@ -47,7 +47,7 @@ def _written(schema: Any) -> Any:
         return schema
     result = {key: _written(value) for key, value in schema.items() if not (key == "default" and value is None)}
     if isinstance(result.get("description"), str):  # else a key of that name
-        result["description"] = result["description"].partition("\n\nExamples:")[0]
+        result["description"] = result["description"].partition("\n\n>>>")[0]
     options = result.get("anyOf")
     if isinstance(options, list):
         values = [option for option in options if option != {"type": "null"}]

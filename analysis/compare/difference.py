@@ -39,7 +39,8 @@ def matched(first: Peaks, second: Peaks, beads: int) -> tuple[Peaks, Peaks]:
     passage at most.
 
     Args:
-        first, second: first maxima of each bead in the two runs.
+        first: first maxima of each bead in one run.
+        second: first maxima of each bead in the other run.
         beads: number of beads of a chain.
 
     Returns:
@@ -52,6 +53,26 @@ def matched(first: Peaks, second: Peaks, beads: int) -> tuple[Peaks, Peaks]:
     ]
     both = np.intersect1d(keys[0][clear[0]], keys[1][clear[1]])
     return first.where(np.isin(keys[0], both)), second.where(np.isin(keys[1], both))
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Bounds on the errors of a reference run, dimensionless.
+
+    Attributes:
+        steps_per_frame: steps of the finer run from frame to frame.
+        velocity: the largest error of any velocity, of beads and resonators, is below this, in units of V: the largest
+            difference from the run with half as many steps, times `workflow.engines.reference.step_halving.SAFETY`.
+        arrival: the same bound for arrivals of the leading pulse, in units of T, where `analysis.tracking.peaks.sharp`.
+        energy: largest deviation of the energy from that of the kicks.
+        momentum: largest deviation of the momentum from that of the kicks.
+    """
+
+    steps_per_frame: int
+    velocity: float
+    arrival: float
+    energy: float
+    momentum: float
 
 
 @dataclass(frozen=True)

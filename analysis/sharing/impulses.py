@@ -34,7 +34,6 @@ from analysis.trajectory import (
     Floats,
     Integers,
     Trajectory,
-    direction_of,
     joined,
     mirrored,
     mirrored_problem,
@@ -206,7 +205,7 @@ class ImpulseMeter:
 def meter_of(problem: Problem) -> ImpulseMeter | None:
     """A meter of the impulses by which chains are compared; None where they are not, or not all beads are recorded."""
     measured = problem.whole and compared_by_impulses(problem.system)
-    return ImpulseMeter(problem, direction_of(problem)) if measured else None
+    return ImpulseMeter(problem, problem.direction) if measured else None
 
 
 def measure(problem: Problem, blocks: Iterable[Trajectory]) -> Impulses:

@@ -43,7 +43,6 @@ from analysis.trajectory import (
     Trajectory,
     Watcher,
     along_the_way,
-    direction_of,
     mirrored,
     mirrored_bead,
     mirrored_problem,
@@ -100,7 +99,7 @@ class Survey:
         The leading waves run that way, and in ``shared``, ``energies``, ``decay`` and ``verdict`` beads are counted
         along it (from the last bead if -1).
         """
-        return direction_of(self.problem)
+        return self.problem.direction
 
     @cached_property
     def along(self) -> Problem:

@@ -26,7 +26,7 @@ from analysis.quantity import declare, declared, in_units, result
 from analysis.tracking.peaks import PeakFinder, Peaks
 from analysis.tracking.pulses import Pulse, local_speed, track_pulses
 from analysis.tracking.succession import Change, changes, numbers
-from analysis.trajectory import Flags, Floats, Integers, direction_of, mirrored_bead
+from analysis.trajectory import Flags, Floats, Integers, mirrored_bead
 from lammps_inputs import Problem, physics
 from lammps_inputs.units import Scale
 
@@ -258,7 +258,7 @@ def mirrored_waves(waves: Waves, problem: Problem) -> Waves:
 
 def opposed(problem: Problem) -> bool:
     """Whether there are kicks both ways, so that a bead's first maximum may be residual motion of the other pulse."""
-    return any(velocity * direction_of(problem) < 0.0 for _, _, velocity in physics.excitations(problem.system))
+    return any(velocity * problem.direction < 0.0 for _, _, velocity in physics.excitations(problem.system))
 
 
 def leading_finder(problem: Problem) -> PeakFinder:

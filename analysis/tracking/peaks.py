@@ -29,7 +29,6 @@ from analysis.trajectory import (
     Floats,
     Integers,
     Trajectory,
-    direction_of,
     joined,
     mirrored_bead,
     watch,
@@ -156,7 +155,7 @@ class PeakFinder:
         self._carried = later._carried
 
     def _way(self, block: Trajectory) -> int:
-        return direction_of(block.problem) if self._direction is None else self._direction
+        return block.problem.direction if self._direction is None else self._direction
 
     def _start(self, block: Trajectory) -> None:
         """The beads that are fastest at the start."""

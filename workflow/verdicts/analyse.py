@@ -32,7 +32,7 @@ from analysis.sharing.run_error import UNMEASURED, MeasuredError, with_run_error
 from analysis.sharing.survey import Survey, survey
 from analysis.tracking.leading_waves import Arrival
 from analysis.tracking.undisturbed import CLEAR
-from analysis.trajectory import Trajectory, along_the_way, direction_of
+from analysis.trajectory import Trajectory, along_the_way
 from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.output import too_far_apart
@@ -251,7 +251,7 @@ def measure(
         tolerances=allowed,
         arrival=arrival,
         counted=exchange.of,
-        impulses=engine.impulses(directory.path, problem, direction_of(problem)),
+        impulses=engine.impulses(directory.path, problem, problem.direction),
     )
     results = _without_errors_by_rounding(with_run_error(of_frames_alone, run.error), engine.rounded_from(run.job))
     of_all_beads = conservation
@@ -419,7 +419,7 @@ def default_beads(problem: Problem) -> tuple[int, ...]:
     recorded = problem.recorded_beads
     if not problem.system.holds(Fact.PULSE):
         kicked_bead = physics.largest_excitation(problem.system)[1]
-        direction = direction_of(problem)
+        direction = problem.direction
         return tuple(
             sorted({int(recorded[np.argmin(np.abs(recorded - kicked_bead - direction * far))]) for far in (0, 2, 5)})
         )

@@ -18,13 +18,12 @@ from pathlib import Path
 from typing import Any
 
 from analysis.compare.common_times import OtherFramesError, paired
-from analysis.compare.difference import Deviation, Difference
+from analysis.compare.difference import Deviation, Difference, Uncertainty
 from analysis.sharing.chain_differences import ChainDifference
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
 from workflow.engines.reference.step_halving import StepHalving
-from workflow.engines.reference.uncertainty import Uncertainty
 from workflow.formats import figure_files
 from workflow.runs.exchange import accountant
 from workflow.runs.figures import write_figure
