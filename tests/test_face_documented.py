@@ -22,12 +22,7 @@ FACE = lazy_names.sources(granchain.__file__)
 
 UNDONE = frozenset(
     """
-    Between checked complaints complete continuation dashpot deck DEFAULT_ACCURACY engine
-    engine.given_by_dashpots engine.velocity_of_state engines Fact file_names formats html inputs
-    installed_scenes job kernel kernel_inputs labelled laws library mpi numbers output output_directory
-    physics physics.masses plugins Problem provenance radii rates references registry restitution_of run
-    run_deck RunDirectory scene_files schema schemes screen status StepHalving strict_yaml System
-    THETA_OF_EQ_5 units walls window write_frames write_text
+    formula Ground Ingredient Setting
     """.split()  # noqa: SIM905  shorter, and does not last
 )
 """Names that still lack their example, and functions that still lack shapes, units or errors."""
