@@ -140,10 +140,16 @@ def load(scene: AnyScene, changes: Mapping[str, Any] | None = None) -> Scene:
 
 
 def source_of(scene: AnyScene) -> str:
-    """Name of a scene in messages: the file or name that was passed, else "scene".
+    """Name of a scene in messages.
+
+    Args:
+        scene: what was passed.
+
+    Returns:
+        The file or name that was passed, else "scene".
 
     Examples:
-        >>> source_of("one-chain"), source_of({"beads": 20})
+        >>> inputs.source_of("one-chain"), inputs.source_of({"beads": 20})
         ('one-chain', 'scene')
     """
     return str(scene) if isinstance(scene, str | Path) else "scene"
