@@ -1,9 +1,11 @@
 """What is recorded, and how often; and what is computed from the frames: forces and spectra.
 
+Plug-ins take this module for limits of output: `too_far_apart` says why no wave is found between frames, `Limits` are
+the sizes beyond which no run starts.
+
 Examples:
-    >>> output.Limits(seconds=60.0).seconds  # of a run on this machine
-    60.0
-    >>> output.too_far_apart(3.0, granchain.load("one-chain").problem().scale)
+    >>> scale = granchain.load("one-chain").scale
+    >>> output.too_far_apart(3.0, scale)
     'frames are 3 apart, too far to find waves between them; at most 2'
 """
 
@@ -30,9 +32,9 @@ def too_far_apart(every: float, scale: Scale) -> str:
 
     Examples:
         >>> scale = granchain.load("one-chain").problem().scale
-        >>> too_far_apart(0.1, scale)
+        >>> output.too_far_apart(0.1, scale)
         ''
-        >>> too_far_apart(3.0, scale)
+        >>> output.too_far_apart(3.0, scale)
         'frames are 3 apart, too far to find waves between them; at most 2'
     """
     if every <= FARTHEST * (1.0 + 1e-9):
@@ -159,9 +161,9 @@ class Limits(ScenePart):
     """Beyond either, `granchain run` refuses; in a scene, or for all scenes in a site's file.
 
     Examples:
-        >>> Limits(gigabytes=200.0)
+        >>> output.Limits(gigabytes=200.0)
         Limits(gigabytes=200.0, hours=None)
-        >>> Limits(gigabytes=200.0).hours is None  # the default holds
+        >>> output.Limits(gigabytes=200.0).hours is None  # the default holds
         True
     """
 

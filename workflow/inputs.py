@@ -1,19 +1,18 @@
 """What scripts and notebooks pass to functions: scenes, runs and directories in any of their forms.
 
-Each type is an annotation of an argument of a function that is `checked`.
+Plug-ins take this module for functions of their own: `AnyScene`, `AnyRun` and `AnyDefinition` are types of arguments of
+a function that is `checked`, `source_of` names a scene in messages, `directory_of` is the directory of a run.
 
 Examples:
-    >>> inputs.source_of("scene.yaml"), inputs.source_of({"name": "mine"})  # what messages call a scene
-    ('scene.yaml', 'scene')
     >>> @checked
-    ... def beads(scene: inputs.AnyScene) -> int:
-    ...     return granchain.load(scene).beads
-    >>> beads("two-chains")
-    120
-    >>> beads(3)
+    ... def mass(scene: inputs.AnyScene) -> float:
+    ...     return evaluate.mass_of(granchain.load(scene))
+    >>> mass("one-chain")
+    120.0
+    >>> mass(7)
     Traceback (most recent call last):
         ...
-    lammps_inputs.errors.InputError: scene: 3 given; the name of a scene, its file, its plain data or a Scene
+    lammps_inputs.errors.InputError: scene: 7 given; the name of a scene, its file, its plain data or a Scene
 """
 
 import os
@@ -141,10 +140,16 @@ def load(scene: AnyScene, changes: Mapping[str, Any] | None = None) -> Scene:
 
 
 def source_of(scene: AnyScene) -> str:
-    """Name of a scene in messages: the file or name that was passed, else "scene".
+    """Name of a scene in messages.
+
+    Args:
+        scene: what was passed.
+
+    Returns:
+        The file or name that was passed, else "scene".
 
     Examples:
-        >>> source_of("one-chain"), source_of({"beads": 20})
+        >>> inputs.source_of("one-chain"), inputs.source_of({"beads": 20})
         ('one-chain', 'scene')
     """
     return str(scene) if isinstance(scene, str | Path) else "scene"

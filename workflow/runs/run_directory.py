@@ -46,6 +46,9 @@ KEPT_BYTES = 1 << 24
 class RunDirectory:
     """An existing run directory, also one that came back from a cluster without ``run.json``.
 
+    Attributes:
+        path: the directory.
+
     Examples:
         >>> scene_files.write(granchain.load("one-chain"), tmp)
         >>> directory = RunDirectory(tmp)
