@@ -20,13 +20,6 @@ from workflow import lazy_names
 PLUG_INS = Path(granchain.__file__).parents[2] / "plugins"
 FACE = lazy_names.sources(granchain.__file__)
 
-UNDONE = frozenset(
-    """
-    formula Ground Ingredient Setting
-    """.split()  # noqa: SIM905  shorter, and does not last
-)
-"""Names that still lack their example, and functions that still lack shapes, units or errors."""
-
 ARRAY = re.compile(r"NDArray|ndarray|Floats|Integers|Flags|Parameter\b")
 WITHOUT_UNIT = re.compile(r"int64|uint64|bool|Integers|Flags")
 SHAPE = re.compile(r"\[[^\]]+\]")

@@ -89,9 +89,7 @@ def run_deck(
         RunError: LAMMPS failed, or a state of the run is none that there can be (`worker.fault`).
 
     Examples:
-        >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 5.0})
-        >>> scene_files.write(scene, tmp)
-        >>> run_deck(tmp, problem=scene.problem()).end  # doctest: +SKIP
+        >>> run_deck(Path("deck"), problem=granchain.load("one-chain").problem()).end  # doctest: +SKIP
         'done'
     """
     command = [sys.executable, "-P", "-m", "workflow.engines.lammps.worker", str(part), repr(float(restart_every))]
