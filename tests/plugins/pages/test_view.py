@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from global_state import assert_state_remains
+from plug_ins import needs
 from refusals import refusal
 
 import granchain
@@ -109,7 +110,7 @@ RIGID = (GAPPED, "collisions", ("computed by the engine of rigid beads, granchai
 @pytest.mark.parametrize(
     ("scene", "engine", "sentences", "cites_lammps"),
     [
-        pytest.param(*RIGID, marks=pytest.mark.slow),
+        pytest.param(*RIGID, marks=[pytest.mark.slow, needs("rigid")]),
         (HELD, "reference", ("computed by the reference integrator", "<p>Equipartition does not apply: no"), False),
         (HELD, "lammps", ("computed by LAMMPS 2",), True),
     ],
