@@ -1,4 +1,14 @@
-"""Polynomials through values and derivatives at equally spaced frames, for many series at once."""
+"""Polynomials through values and derivatives at equally spaced frames, for many series at once.
+
+Plug-ins take this module for what happens between frames: `coefficients` gives the polynomials, `value` and
+`derivative` evaluate them, `falling_zero` finds where they fall through zero, such as the end of a contact.
+
+Examples:
+    >>> position, velocity = [1.0, -1.0], [-1.0, -3.0]  # at t = 0 and t = 1
+    >>> through = hermite.coefficients((0, 1), np.array([position, velocity]).T, spacing=1.0)  # [power]
+    >>> hermite.falling_zero(through[:, np.newaxis], np.zeros(1), np.ones(1)).round(6)
+    array([0.618034])
+"""
 
 import functools
 import math
@@ -28,11 +38,11 @@ def coefficients(nodes: tuple[int, ...], data: Floats, spacing: float) -> Floats
 
     Args:
         nodes: frames relative to the one where t = 0.
-        data: [node, derivative, ...]: value, first derivative, ... (any trailing shape).
+        data: [node, derivative, ...]: value, first derivative, ... in one unit and that over the unit of time.
         spacing: time between frames, in the unit of time of the derivatives.
 
     Returns:
-        Coefficients, [power, ...], by ascending power.
+        Coefficients, [power, ...], by ascending power, in the unit of the values.
     """
     count, derivatives = data.shape[:2]
     scaled = data * (spacing ** np.arange(derivatives)).reshape((1, derivatives) + (1,) * (data.ndim - 2))
@@ -47,13 +57,28 @@ def coefficients(nodes: tuple[int, ...], data: Floats, spacing: float) -> Floats
 
 
 def derivative(polynomials: Floats) -> Floats:
-    """Coefficients, [power, ...], of the derivatives of polynomials [power, ...] with respect to ``t / spacing``."""
+    """Derivatives of polynomials with respect to ``t / spacing``.
+
+    Args:
+        polynomials: [power, ...] coefficients, in any unit.
+
+    Returns:
+        [power, ...] coefficients of the derivatives, in the same unit; there is one power less.
+    """
     powers = np.arange(1, len(polynomials)).reshape((-1,) + (1,) * (polynomials.ndim - 1))
     return polynomials[1:] * powers
 
 
 def value(polynomials: Floats, s: Floats) -> Floats:
-    """Values of polynomials [power, ...] at s = t / spacing, of the trailing shape."""
+    """Values of polynomials.
+
+    Args:
+        polynomials: [power, ...] coefficients, of `coefficients` or `derivative`, in any unit.
+        s: [...] times in units of the spacing.
+
+    Returns:
+        [...] in the unit of the coefficients.
+    """
     result = np.zeros_like(s)
     for coefficient in polynomials[::-1]:
         result = result * s + coefficient
@@ -66,9 +91,14 @@ def integral(polynomials: Floats, s: Floats) -> Floats:
 
 
 def falling_zero(polynomials: Floats, low: Floats, high: Floats) -> Floats:
-    """Place s at which each polynomial [power, ...] falls through zero, by bisection between low and high, each [...].
+    """Place at which each polynomial falls through zero, by bisection.
 
-    Polynomials are positive at low, and not at high.
+    Args:
+        polynomials: [power, ...] coefficients, in any unit; values are positive at low, and not at high.
+        low, high: [...] times in units of the spacing.
+
+    Returns:
+        [...] times in units of the spacing.
     """
     return change(lambda s: value(polynomials, s) > 0.0, np.True_, low, high)
 

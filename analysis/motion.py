@@ -3,6 +3,17 @@
 All dimensionless. Which links there are, and their laws, is the problem's (`lammps_inputs.links`). Arrays are
 [..., chain, bead] of consecutive beads, which begin with bead ``first``. Where a system has further lines of atoms,
 energy, momentum and acceleration take [..., line, bead], these lines after the chains (`Trajectory.atoms`).
+
+Plug-ins take this module for what the states of a run imply: overlaps and forces of contacts, accelerations, energies
+of beads and of the system. They give it ``problem.system`` and arrays of a `Trajectory`.
+
+Examples:
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> frames = engine.run(problem)
+    >>> motion.energy(problem.system, frames.displacement, frames.velocity)[[0, 150, 300]].round(6)  # in m V**2
+    array([0.5, 0.5, 0.5])
+    >>> motion.overlaps(problem.system, frames.displacement)[100, 0, 5:11].round(3)  # of contacts 6 to 11, in L
+    array([-0.003,  0.164,  0.7  ,  0.442,  0.039,  0.   ])
 """
 
 from typing import Any
@@ -15,7 +26,16 @@ from lammps_inputs.links import Link, partners
 
 
 def overlaps(system: System, displacement: Floats, first: int = 1) -> Floats:
-    """Overlap of each bead with the next of its chain, [..., chain, bead - 1]; negative where they are apart."""
+    """Overlap of each bead with the next of its chain; negative where they are apart.
+
+    Args:
+        system: masses and links.
+        displacement: [..., chain, bead] in units of L, of consecutive beads.
+        first: number of the first of these beads.
+
+    Returns:
+        [..., chain, bead - 1] in units of L, the overlap at rest included.
+    """
     return system.along[0].overlap(displacement, first)
 
 
@@ -37,9 +57,16 @@ def kinetic_energy(system: System, velocity: Floats, first: int = 1) -> Floats:
 
 
 def energy(system: System, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
-    """Total energy of states, [...] from [..., line, bead]: kinetic, and of every link (eq. 1 integrated).
+    """Total energy of states: kinetic, and of every link (eq. 1 integrated).
 
-    NaN of the chains alone where there are further lines of atoms.
+    Args:
+        system: masses and links.
+        displacement: [..., line, bead] in units of L, of consecutive beads.
+        velocity: [..., line, bead] in units of V.
+        first: number of the first of these beads.
+
+    Returns:
+        [...] in units of m V**2; NaN of the chains alone where there are further lines of atoms.
     """
     beads = slice(system.chains)
     x, v = displacement[..., beads, :], velocity[..., beads, :]
@@ -69,9 +96,18 @@ def _sum_of_further(system: System, values: Floats) -> Any:
 
 
 def bead_energy(system: System, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
-    """Energy of each bead in its own chain, [..., chain, bead], at states of that shape.
+    """Energy of each bead in its own chain: two beads in contact have half of its energy each.
 
-    Two beads in contact have half of its energy each. The energy of springs between chains is not included.
+    The energy of springs between chains is not included.
+
+    Args:
+        system: masses and links.
+        displacement: [..., chain, bead] in units of L, of consecutive beads.
+        velocity: [..., chain, bead] in units of V.
+        first: number of the first of these beads.
+
+    Returns:
+        [..., chain, bead] in units of m V**2.
     """
     total = kinetic_energy(system, velocity, first)
     for link in (*system.along, *system.ground):
@@ -80,9 +116,13 @@ def bead_energy(system: System, displacement: Floats, velocity: Floats, first: i
 
 
 def participation(energy: Floats) -> float:
-    """Participation number of beads' energies e, [...]: (sum e)^2 / sum e^2.
+    """Participation number of energies e: (sum e)^2 / sum e^2, which is N where N beads have the same and others none.
 
-    It is N where N beads have the same energy and all others none; NaN where none has any.
+    Args:
+        energy: [...] energies of beads, in any unit.
+
+    Returns:
+        The number; NaN where no bead has energy.
     """
     total = float(np.sum(energy))
     return 1.0 / float(np.sum((energy / total) ** 2)) if total > 0.0 else np.nan
@@ -94,9 +134,15 @@ def contact_energy(system: System, displacement: Floats, first: int = 1) -> Floa
 
 
 def contact_force(system: System, overlap: Floats, *contact: Integers | slice) -> Floats:
-    """Total force of chosen contacts at overlaps, of their shape; the force at rest is included.
+    """Total force of chosen contacts; the force at rest is included.
 
-    ``contact`` are positions (chain, contact) of the links, from 0.
+    Args:
+        system: its contacts.
+        overlap: [...] in units of L.
+        contact: positions of the chains, [...], and of the contacts in them, [...], from 0.
+
+    Returns:
+        [...] in units of m V / T.
     """
     return np.asarray(sum(laws.whole_force(laws.at(link.law, *contact), overlap) for link in system.along))
 
@@ -120,9 +166,17 @@ def acceleration(
     time: Floats | None = None,
     velocity: Floats | None = None,
 ) -> Floats:
-    """Acceleration of every atom, [..., line, bead], at states of that shape; every atom must be recorded (eq. 1).
+    """Acceleration of every atom (eq. 1); every atom must be recorded.
 
-    Forces from outside are left out where no times, [...], are given, and those of dashpots without velocities.
+    Args:
+        system: masses, links, dashpots and loads.
+        displacement: [..., line, bead] in units of L, of consecutive beads.
+        first: number of the first of these beads.
+        time: [...] in units of T; without it forces from outside are left out.
+        velocity: [..., line, bead] in units of V; without it forces of dashpots are left out.
+
+    Returns:
+        [..., line, bead] in units of V / T.
     """
     result = np.zeros_like(displacement)
     for link in (system if time is None else physics.at(system, time)).links:
@@ -211,9 +265,14 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
 
 
 def strain_and_rates(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> Floats:
-    """Strain between chosen beads and the next recorded, and its derivatives, [derivative, entry].
+    """Strain between chosen beads and the next recorded, and its derivatives.
 
-    The second derivative is there where the frames determine the forces. Indices are those of `acceleration_and_rate`.
+    Args:
+        block: frames.
+        frame, chain, bead: [entry] positions of the beads in the arrays of the frames, from 0.
+
+    Returns:
+        [derivative, entry] in units of L and T; the second derivative is there where the frames determine the forces.
     """
     ends = [[values[frame, chain, bead + k] for k in (0, 1)] for values in (block.displacement, block.velocity)]
     if block.forces_known:

@@ -19,6 +19,18 @@ A field that `computed` declares is computed when it is first needed, by a funct
         last: float = computed("time of the last passage", "time", of=lambda passages: passages.waves.time[-1])
 
 Their values are dimensionless where the unit is one of the scene's, and converted in `in_units`, once.
+
+Plug-ins take this module for what they measure: `result` and `declare` for the class, `plain` for JSON, `csv_of` and
+`headings` for tables, `declared` for what its fields mean.
+
+Examples:
+    >>> @quantity.result
+    ... class Passage:
+    ...     time: float = quantity.declare("time of the passage", "time", "the pulse stopped before", symbol="t")
+    >>> quantity.plain(Passage(2.0), units.Scale(mass=0.01, length=1e-6, velocity=0.5, si=True))  # in SI
+    {'time': 4e-06}
+    >>> quantity.declared(Passage)["time"][0].undefined
+    'the pulse stopped before'
 """
 
 import csv
@@ -109,7 +121,20 @@ def declare(
     default: Any = MISSING,
     **shown: Any,
 ) -> Any:
-    """A field of a result, and the `Quantity` that it holds; ``column``, ``digits`` and ``head`` are passed to it."""
+    """A field of a result, and the `Quantity` that it holds.
+
+    Args:
+        meaning: definition, in a sentence without its capital and full stop.
+        unit: key of `lammps_inputs.units.SI`, whose values are dimensionless; or the symbol of another unit.
+        undefined: under which condition there is no value.
+        symbol: symbol in equations, in TeX.
+        columns: columns of a sweep's table.
+        default: value of the field where none is passed.
+        shown: ``column``, ``digits`` and ``head`` of the `Quantity`.
+
+    Returns:
+        The field, in a class that `result` makes a dataclass.
+    """
     return field(default=default, metadata={_DECLARED: Quantity(meaning, unit, undefined, symbol, columns, **shown)})
 
 
@@ -137,7 +162,14 @@ def computed(
 
 
 def derived(unit: str = "", undefined: str = "", symbol: str = "", column: str | None = None) -> Callable[[Kind], Kind]:
-    """A property of a result, and the `Quantity` that it holds; the docstring says the meaning."""
+    """A property of a result, and the `Quantity` that it holds; the docstring says the meaning.
+
+    Args:
+        unit, undefined, symbol, column: see `Quantity`.
+
+    Returns:
+        A decorator of the property's function.
+    """
 
     def mark(function: Kind) -> Kind:
         meaning = " ".join((function.__doc__ or "").split()).removesuffix(".")
@@ -151,7 +183,22 @@ def derived(unit: str = "", undefined: str = "", symbol: str = "", column: str |
 
 @dataclass_transform(frozen_default=True, field_specifiers=(declare, computed, field))
 def result(kind: type[Kind]) -> type[Kind]:
-    """A frozen dataclass whose fields declare what they hold."""
+    """Make a class a frozen dataclass whose fields declare what they hold.
+
+    Args:
+        kind: class whose fields are made by `declare` or `computed`; other fields are no quantities.
+
+    Returns:
+        The dataclass; fields of `computed` are computed when they are first needed.
+
+    Examples:
+        >>> @result
+        ... class Passages:
+        ...     times: tuple[float, ...]
+        ...     last: float = quantity.computed("time of the last passage", "time", of=lambda run: run.times[-1])
+        >>> Passages((1.5, 2.0)).last
+        2.0
+    """
     made = dataclass(frozen=True)(kind)
     for member in fields(made):  # type: ignore[arg-type]
         if _COMPUTED in member.metadata:
@@ -210,7 +257,16 @@ def in_units(value: Any, unit: str, scale: Scale) -> Any:
 
 
 def plain(value: Any, scale: Scale, unit: str = "") -> Any:
-    """A result as data for JSON, in the scene's units; what is undefined is None."""
+    """A result as data for JSON, in the scene's units; what is undefined is None.
+
+    Args:
+        value: a result, or a number, array, mapping or sequence of the unit.
+        scale: units of the scene.
+        unit: unit of the value, as of `Quantity`; a result has those of its fields.
+
+    Returns:
+        Dictionaries, lists, numbers and text.
+    """
     if is_dataclass(value):
         quantities = declared(type(value))
         return {name: plain(getattr(value, name), scale, quantity.unit) for name, (quantity, _) in quantities.items()}
@@ -282,12 +338,29 @@ def table(record: Any, scale: Scale) -> dict[str, Any]:
 
 
 def csv_of(record: Any, scale: Scale) -> str:
-    """CSV text of a result whose fields are columns, or columns by name, in the scene's units."""
+    """CSV text of a result whose fields are columns, or columns by name, in the scene's units.
+
+    Args:
+        record: result whose fields are arrays [row], or mappings from a heading to one.
+        scale: units of the scene.
+
+    Returns:
+        The text, a line for each row; numbers read back exactly, and an undefined number is empty.
+    """
     return to_csv(table(record, scale))
 
 
 def headings(kind: Any, scale: Scale, words: Mapping[str, str] | None = None) -> list[str]:
-    """Headings of a table, with units: the names of a type's quantities, or words for some of them."""
+    """Headings of a table, with units: the names of a type's quantities, or words for some of them.
+
+    Args:
+        kind: result whose fields are columns.
+        scale: units of the scene.
+        words: name of a field -> words in its place; by default all fields with their names.
+
+    Returns:
+        The headings, in the order of the words.
+    """
     quantities = declared(kind)
     return [
         scale.heading(text, quantities[name][0].unit)

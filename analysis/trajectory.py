@@ -1,4 +1,11 @@
-"""A trajectory: what every engine returns and every analysis reads, dimensionless and in float64."""
+"""A trajectory: what every engine returns and every analysis reads, dimensionless and in float64.
+
+Examples in this package analyse a short run of the reference integrator.
+
+Examples:
+    >>> engine.run(granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem())
+    <trajectory of one-chain: 301 frames of 1 x 20 beads, to t = 30 T, in units of T, L and V>
+"""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, fields, replace
@@ -11,8 +18,33 @@ from numpy.typing import NDArray
 from lammps_inputs import Problem, System, physics
 
 Floats = NDArray[np.float64]
+"""Array of float64; the docstring of a function or field has its shape and unit.
+
+Examples:
+    >>> def kinetic_energy(velocity: Floats) -> Floats:
+    ...     "Kinetic energy of beads of mass m, [bead] in units of m V**2, at velocities [bead] in units of V."
+    ...     return 0.5 * velocity**2
+    >>> kinetic_energy(np.array([1.0, 0.5]))
+    array([0.5  , 0.125])
+"""
+
 Integers = NDArray[np.int64]
+"""Array of int64, such as numbers of beads, counted from 1, or positions along an axis, counted from 0.
+
+Examples:
+    >>> beads: Integers = np.array([10, 20])  # numbers
+    >>> beads - 1  # their positions
+    array([ 9, 19])
+"""
+
 Flags = NDArray[np.bool_]
+"""Array of true and false, such as a mask of beads or frames.
+
+Examples:
+    >>> moving: Flags = np.array([0.7, 1e-6, 0.0]) > 1e-3  # [bead]
+    >>> moving
+    array([ True, False, False])
+"""
 
 BLOCK_BYTES = 1 << 22
 LEAST_FRAMES = 8
@@ -22,7 +54,18 @@ EXCHANGES = ("along", "across", "ground", "walls", "energy_input")
 
 
 def frames_per_block(problem: Problem) -> int:
-    """Frames in one piece of a long trajectory: about 4 MB, or at least 8; by 1 MB an analysis takes a fifth longer."""
+    """Frames in one piece of a long trajectory: about 4 MB, or at least 8; by 1 MB an analysis takes a fifth longer.
+
+    Args:
+        problem: problem whose frames are read or made piece by piece.
+
+    Returns:
+        Number of frames.
+
+    Examples:
+        >>> [frames_per_block(granchain.load(name).problem()) for name in ("one-chain", "two-chains")]
+        [2184, 1092]
+    """
     return max(LEAST_FRAMES, BLOCK_BYTES // (16 * problem.chains * problem.rows_a_frame))
 
 
@@ -63,6 +106,15 @@ class Trajectory:
             a file holds not all beads.
         further_lines: [frame, 2, line, bead] displacement and velocity of lines of atoms that are no beads, 0 where
             there is none; None where they were not recorded.
+
+    Examples:
+        >>> frames = engine.run(granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem())
+        >>> frames.velocity.shape  # [frame, chain, bead]
+        (301, 1, 20)
+        >>> frames[-2:].time, frames.velocity[-2:, 0, frames.bead(20)].round(3)  # in units of T and V
+        (array([29.9, 30. ]), array([0.986, 0.986]))
+        >>> frames.problem.chains, frames.problem.every  # with all that was computed
+        (1, 0.1)
     """
 
     problem: Problem
@@ -89,7 +141,20 @@ class Trajectory:
         exchange: Floats | None = None,
         contact_state: Floats | None = None,
     ) -> "Trajectory":
-        """Frames of arrays [frame, line, bead], the chains' first and further lines after them, if at all."""
+        """Frames of arrays of all atoms, the chains' first and further lines after them, if at all.
+
+        Args:
+            problem: what was computed.
+            time: [frame] in units of T.
+            displacement: [frame, line, bead] in units of L.
+            velocity: [frame, line, bead] in units of V.
+            first: bead that the last axis begins with.
+            exchange: [frame, `EXCHANGES`] in units of m V**2.
+            contact_state: [frame, chain, bead + 1], as of `Trajectory`.
+
+        Returns:
+            The frames.
+        """
         chains = problem.chains
         further = np.stack([displacement, velocity], axis=1)[:, :, chains:] if displacement.shape[1] > chains else None
         return cls(
@@ -134,7 +199,7 @@ class Trajectory:
 
     @property
     def atoms(self) -> tuple[Floats, Floats]:
-        """Displacement and velocity, each [frame, line, bead], of the chains and further lines after them."""
+        """Displacement and velocity, [frame, line, bead] in units of L and V, of chains and then further lines."""
         x, v = self.displacement, self.velocity
         if self.further_lines is None:
             return x, v
@@ -148,7 +213,7 @@ class Trajectory:
 
     @property
     def spacing(self) -> float:
-        """Time between two frames: a multiple of the problem's to the last bit, which a difference of times is not."""
+        """Time between two frames, in units of T: a multiple of the problem's to the last bit."""
         every = self.problem.every
         return every * max(1, round(float(self.time[1] - self.time[0]) / every))
 
@@ -187,7 +252,11 @@ class Trajectory:
         return self.problem.forces_known or (self.contact_state is not None and self.problem.recorded is None)
 
     def states(self) -> Iterator[tuple[Floats, Floats, Floats | None]]:
-        """Displacements and velocities of all atoms [line, bead], states of contacts [chain, bead + 1], by frame."""
+        """Displacements and velocities of all atoms [line, bead] in units of L and V, states of contacts, by frame.
+
+        Yields:
+            Displacement and velocity of a frame, and states [chain, bead + 1]; None where no force depends on one.
+        """
         for frame, (x, v) in enumerate(zip(*self.atoms, strict=True)):
             yield x, v, None if self.contact_state is None else self.contact_state[frame]
 
@@ -205,10 +274,10 @@ class Trajectory:
         return system if self.contact_state is None else physics.at_contact_state(system, self.contact_state[frames])
 
     def with_motion(self, time: Floats, displacement: Floats, velocity: Floats) -> "Trajectory":
-        """Frames of the same beads at other times, [frame], in the states of contacts of these.
+        """Frames of the same beads at other times, in the states of contacts of these.
 
         Args:
-            time: in units of T.
+            time: [frame] in units of T.
             displacement: [frame, line, bead] in units of L, further lines of atoms after the chains.
             velocity: [frame, line, bead] in units of V.
 
@@ -231,7 +300,14 @@ class Trajectory:
         return self.moving_at(slice(None))
 
     def moving_at(self, frames: slice | Integers) -> slice:
-        """Range of positions of the beads that frames, [frame], show displaced or moving, and one on either side."""
+        """Beads that some frames show displaced or moving, and one on either side.
+
+        Args:
+            frames: [frame] positions of the frames, or a slice of them.
+
+        Returns:
+            Range of positions along the last axis.
+        """
         moved = np.any(self.velocity[frames], axis=(0, 1)) | np.any(self.displacement[frames], axis=(0, 1))
         places = np.flatnonzero(moved)
         if len(places) == 0:
@@ -239,7 +315,15 @@ class Trajectory:
         return slice(max(0, int(places[0]) - 1), int(places[-1]) + 2)
 
     def on(self, first: int, last: int, *, behind: float = 0.0) -> "Trajectory":
-        """These frames at beads ``first`` to ``last``: 0 ahead of a window, ``behind`` at beads that it has left."""
+        """These frames at other consecutive beads, some of which a window does not hold.
+
+        Args:
+            first, last: numbers of the beads at the ends.
+            behind: displacement and velocity of beads that the window has left; those ahead of it have 0.
+
+        Returns:
+            The frames.
+        """
         count = self.velocity.shape[2]
         if (first, last) == (self.first, self.first + count - 1):
             return self
@@ -288,6 +372,11 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
 
     Raises:
         ValueError: there is no block.
+
+    Examples:
+        >>> frames = engine.run(granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem())
+        >>> joined([frames[:100], frames[100:]]).frames
+        301
     """
     parts = list(blocks)
     if not parts:
@@ -310,12 +399,6 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
 Number = TypeVar("Number", int, Integers)
 
 
-def direction_of(problem: Problem) -> int:
-    """Direction of the largest excitation and the leading pulse: 1 towards higher bead numbers, -1 towards lower."""
-    _, _, excitation = physics.largest_excitation(problem.system)
-    return 1 if excitation > 0.0 else -1
-
-
 def mirrored_bead(problem: Problem, bead: Number) -> Number:
     """Number of a bead in the mirror; twice is the bead itself."""
     return problem.beads + 1 - bead
@@ -323,7 +406,7 @@ def mirrored_bead(problem: Problem, bead: Number) -> Number:
 
 def along_the_way(problem: Problem, bead: Number) -> Number:
     """Number of a bead counted along the leading pulse's way: its own, or that in the mirror."""
-    return bead if direction_of(problem) > 0 else mirrored_bead(problem, bead)
+    return bead if problem.direction > 0 else mirrored_bead(problem, bead)
 
 
 def mirrored_problem(problem: Problem) -> Problem:
@@ -373,7 +456,21 @@ AnyWatcher = TypeVar("AnyWatcher", bound=Watcher)
 
 
 def watch(watcher: AnyWatcher, blocks: Iterable[Trajectory]) -> AnyWatcher:
-    """A watcher that has been shown all blocks."""
+    """Show a run to a watcher, block by block.
+
+    Args:
+        watcher: object whose ``add(block)`` takes the next frames, such as a meter or a finder.
+        blocks: consecutive frames.
+
+    Returns:
+        The watcher.
+
+    Examples:
+        >>> frames = engine.run(granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem())
+        >>> passages = watch(peaks.PeakFinder(first_only=True), frames.blocks()).result()
+        >>> passages.velocity[17:].round(3)  # first maximum of each bead, in units of V
+        array([0.682, 0.682, 0.986])
+    """
     for block in blocks:
         watcher.add(block)
     return watcher

@@ -97,6 +97,12 @@ class Problem:
         return self.recorded is None and self.system.holds(Fact.FRAMES)
 
     @property
+    def direction(self) -> int:
+        """Direction of the largest excitation, and so of the leading pulse: 1 towards the last bead, else -1."""
+        _, _, excitation = physics.largest_excitation(self.system)
+        return 1 if excitation > 0.0 else -1
+
+    @property
     def columns(self) -> tuple[str, ...]:
         """Columns of a dump after the atoms' numbers."""
         return ("x", "vx", *self.state_columns) if self.window is None else ("mol", "x", "vx")

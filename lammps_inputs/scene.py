@@ -146,6 +146,13 @@ class BaseScene(ScenePart, metaclass=SceneType):
     """Identical chains of touching or gapped beads on parallel lines, kicked at the start.
 
     Beside the keys here, a scene has one for each ingredient that it names.
+
+    Examples:
+        >>> scene = granchain.Scene(name="mine", beads=20, kick={"velocity": 1.0}, duration=30.0)
+        >>> scene
+        <scene mine: 1 chain of 20 beads>
+        >>> scene.coupling is None, scene.problem().beads  # what a scene does not name does not exist
+        (True, 20)
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]

@@ -40,12 +40,14 @@ def scene() -> dict[str, Any]:
 
 
 def _written(schema: Any) -> Any:
-    """Schema without null: alternatives of null and defaults of None are dropped at all depths."""
+    """Schema without null and examples: alternatives of null and defaults of None are dropped at all depths."""
     if isinstance(schema, list):
         return [_written(part) for part in schema]
     if not isinstance(schema, dict):
         return schema
     result = {key: _written(value) for key, value in schema.items() if not (key == "default" and value is None)}
+    if isinstance(result.get("description"), str):  # else a key of that name
+        result["description"] = result["description"].partition("\n\nExamples:")[0]
     options = result.get("anyOf")
     if isinstance(options, list):
         values = [option for option in options if option != {"type": "null"}]

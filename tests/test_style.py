@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[1]
 DOCUMENTED = (
     "workflow/python/granchain",
     "workflow/interface",
-    "workflow/arguments.py",
+    "workflow/inputs.py",
     "workflow/runs/check.py",
     "workflow/runs/completed_run.py",
     "workflow/runs/run.py",

@@ -1,6 +1,17 @@
 """The command ``granchain``: parses, calls one command, and turns errors into one line and an exit code.
 
 Exit codes: 0 done, 1 a run or a check failed, 2 bad input, 130 interrupted.
+
+Plug-ins take this module for commands as a whole, such as help and completion in shells: `COMMANDS` has their names,
+those of plug-ins included, `summary_of` a line on each, `parser` their options; `main` runs one.
+
+Examples:
+    >>> cli.summary_of("analyze")
+    'Find the pulses in a run, measure them and draw them.'
+    >>> cli.parser(["analyze"]).parse_args(["analyze", "demo", "--no-figures"]).no_figures
+    True
+    >>> cli.main(["run", "no-such-scene", "-o", str(tmp / "out")])  # prints one line to standard error
+    2
 """
 
 import argparse
@@ -175,7 +186,17 @@ def _execute(arguments: argparse.Namespace) -> int:
 
 
 def parser(names: Sequence[str]) -> argparse.ArgumentParser:
-    """The parser with the arguments of these commands; without names it has all commands without arguments."""
+    """The parser with the arguments of these commands; without names it has all commands without arguments.
+
+    Args:
+        names: names of commands.
+
+    Returns:
+        The parser of the program.
+
+    Raises:
+        InputError: there is no such command.
+    """
     # only these are imported, which takes long
     commands = [name for name in names if name in COMMANDS]
     top_level = _Parser(prog="granchain", description=None if commands else _listed(), formatter_class=_Grouped)

@@ -5,6 +5,16 @@ Programs that are written for the laws of a system (`module`) are kept there, to
 numba's cache on disk notices a change of the file that holds a function, not of the functions that it inlines from
 others. So the code is kept in a directory that is named after a hash of all sources that are ever compiled, and of the
 versions: whatever changes, nothing old is found.
+
+Plug-ins take this module for loops of their own, such as those of an engine: `ieee` compiles a function that Python
+calls, `ieee_called_by_compiled` one that only compiled functions call.
+
+Examples:
+    >>> @compiled.ieee
+    ... def inverse(number):
+    ...     return 1.0 / number
+    >>> inverse(4.0), inverse(0.0)  # IEEE arithmetic: no exception
+    (0.25, inf)
 """
 
 import contextlib

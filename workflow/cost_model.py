@@ -8,6 +8,14 @@ of messages is assumed. Larger runs are extrapolated, taking for granted that
 - memory and its bandwidth grow with the ranks (true for ranks on different nodes, less so for those of one);
 - a network takes some microseconds a message, and the outermost rows of a rank are few beads beside its own;
 - frames are written by one rank, at the speed of one file.
+
+Plug-ins take this module to plan runs on clusters: `cost` estimates time and size of a run, `MEMORY` its memory.
+
+Examples:
+    >>> problem = granchain.load("one-chain", {"timestep": 0.01}).problem()
+    >>> estimated = cost_model.cost(problem, ranks=1)
+    >>> round(estimated.seconds, 3), estimated.frames  # in s and bytes
+    (0.077, 4857434.0)
 """
 
 import math
@@ -43,7 +51,15 @@ class Cost:
 
 
 def cost(problem: Problem, ranks: int) -> Cost:
-    """Cost of a run on a number of ranks, by the model."""
+    """Estimated cost of a run, by the model.
+
+    Args:
+        problem: what is to run.
+        ranks: number of MPI ranks.
+
+    Returns:
+        The cost, in s and bytes.
+    """
     frame, frames = sizes(problem)
     largest = math.ceil(problem.rows / ranks) * problem.chains
     fixed, bead = step_seconds(problem)

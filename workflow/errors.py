@@ -1,11 +1,28 @@
-"""Errors of runs that are no bad input, and how a process ended, in words."""
+"""Errors of runs that are no bad input, and how a process ended, in words.
+
+Plug-ins take this module to report programs that they started: `how_it_ended` says how a process ended, `complaint`
+what it printed before, `first_line` what an error of LAMMPS says.
+
+Examples:
+    >>> errors.how_it_ended(-9)
+    'was killed by signal SIGKILL'
+    >>> errors.complaint(["Traceback (most recent call last):", "  ...", "MemoryError: 8 GB"])
+    'MemoryError: 8 GB'
+"""
 
 import signal
 from collections.abc import Iterable
 
 
 class RunError(RuntimeError):
-    """A run that could not be finished or a result that is not right; its text is one line (exit code 1)."""
+    """A run that could not be finished or a result that is not right; its text is one line (exit code 1).
+
+    Examples:
+        >>> raise granchain.RunError("LAMMPS was killed by signal SIGKILL")
+        Traceback (most recent call last):
+            ...
+        workflow.errors.RunError: LAMMPS was killed by signal SIGKILL
+    """
 
     def __init__(self, message: str) -> None:
         one_line = " ".join(message.split())

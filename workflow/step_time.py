@@ -3,6 +3,14 @@
 A step takes a fixed time, a time for every bead of a rank, and with more than one rank a time for messages. Times were
 measured on one core with 100 to a million beads, except where a comment says that they are assumed. What formulas take
 that LAMMPS evaluates follows from their text in the deck, whatever law they spell.
+
+Plug-ins take this module to plan runs on clusters: `step_seconds` and `frame_seconds` give the parts of the time of a
+run, `bead_seconds` that of a bead alone, `MESSAGES` that of messages between ranks.
+
+Examples:
+    >>> fixed, bead = step_time.step_seconds(granchain.load("two-chains").problem())
+    >>> f"{fixed:.1e} s a step, and {bead:.1e} s for each bead of a rank"
+    '1.5e-06 s a step, and 2.0e-08 s for each bead of a rank'
 """
 
 import re
@@ -146,5 +154,13 @@ def _operations_of_atoms(lines: Iterable[str]) -> int:
 
 
 def frame_seconds(size: float, frames: float = 1) -> float:
-    """Seconds to write some frames of so many bytes in all."""
+    """Time to write frames.
+
+    Args:
+        size: bytes of all of them.
+        frames: number of frames.
+
+    Returns:
+        The time, in s.
+    """
     return FRAME * frames + size / FILE

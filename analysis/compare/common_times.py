@@ -74,8 +74,20 @@ def of_recorded(trajectory: Trajectory, problem: Problem) -> Trajectory:
 def paired(first: Iterable[Trajectory], second: Iterable[Trajectory]) -> Iterator[tuple[Trajectory, Trajectory]]:
     """Blocks of a run and of a reference with the same times, until the shorter one ends; of a window its front half.
 
+    Args:
+        first: consecutive frames of the run.
+        second: consecutive frames of the reference, in blocks of any size.
+
+    Yields:
+        Two blocks with the same times and beads.
+
     Raises:
         OtherFramesError: the two do not have the same beads, or their frames differ in time.
+
+    Examples:
+        >>> frames = engine.run(granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem())
+        >>> [(run.frames, reference.frames) for run, reference in paired([frames], [frames[:100], frames[100:]])]
+        [(100, 100), (201, 201)]
     """
     for a, b in simultaneous(first, second):
         a, b = on_common_rows(near_the_front(a), b)

@@ -1,4 +1,16 @@
-"""How far a trajectory is from a reference of the same scene, quantity by quantity, and where it goes wrong."""
+"""How far a trajectory is from a reference of the same scene, quantity by quantity, and where it goes wrong.
+
+Plug-ins take this module for errors of a run: `errors_of` has those of all quantities, `matched` chooses the passages
+that two runs have in common.
+
+Examples:
+    >>> from dataclasses import replace
+    >>> frames = engine.run(granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem())
+    >>> wrong = replace(frames, velocity=1.001 * frames.velocity)
+    >>> errors = difference.errors_of(wrong.blocks(), frames.blocks())
+    >>> errors["velocity"].where.words, round(errors["velocity"].largest, 9)  # in units of V
+    ('bead 1 of chain 1', 0.001)
+"""
 
 import math
 from collections.abc import Callable, Iterable
@@ -25,6 +37,13 @@ def matched(first: Peaks, second: Peaks, beads: int) -> tuple[Peaks, Peaks]:
     Left out are the kicked beads' start, the last bead of the pulse's way, which flies off, and passages not twice as
     high as `analysis.tracking.peaks.THRESHOLD`: of those, one run may have what the other has not. Each bead has one
     passage at most.
+
+    Args:
+        first, second: first maxima of each bead in the two runs.
+        beads: number of beads of a chain.
+
+    Returns:
+        The maxima of both at the same beads, entry by entry.
     """
     keys = [peaks.chain * 2**40 + peaks.bead for peaks in (first, second)]
     last = beads if first.direction > 0 else 1
@@ -33,6 +52,25 @@ def matched(first: Peaks, second: Peaks, beads: int) -> tuple[Peaks, Peaks]:
     ]
     both = np.intersect1d(keys[0][clear[0]], keys[1][clear[1]])
     return first.where(np.isin(keys[0], both)), second.where(np.isin(keys[1], both))
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Bounds on the errors of a reference run, dimensionless.
+
+    Attributes:
+        steps_per_frame: steps of the finer run from frame to frame.
+        velocity: the largest error of any velocity, of beads and resonators, is below this, in units of V: the largest
+            difference from the run with half as many steps, times `workflow.engines.reference.step_halving.SAFETY`.
+        arrival: the same bound for arrivals of the leading pulse, in units of T, where `analysis.tracking.peaks.sharp`.
+        energy, momentum: largest deviations from the kicks'.
+    """
+
+    steps_per_frame: int
+    velocity: float
+    arrival: float
+    energy: float
+    momentum: float
 
 
 @dataclass(frozen=True)

@@ -145,6 +145,17 @@ def residual_figure(
         size: [channel] unit in which differences are drawn, in the scene's units.
         unit: name of that unit.
         mark: end of the title.
+
+    Returns:
+        The figure, of matplotlib.
+
+    Examples:
+        >>> time = np.linspace(0.0, 20.0, 101)
+        >>> data = traces.Traces(time, (traces.Channel("velocity", 1, 5),), np.sin(time)[:, np.newaxis], units=False)
+        >>> computed = 0.9 * data.values  # [instant, channel]
+        >>> figure = residual_figure(granchain.load("one-chain").problem(), data, computed, size=np.array([0.1]))
+        >>> len(figure.axes)
+        2
     """
     count = min(len(measured.channels), MOST_CHANNELS)
     thin = slice(None, None, max(1, len(measured.time) // MOST_POINTS))

@@ -1,4 +1,16 @@
-"""Velocity in space and time, and what is kept of a run to draw it."""
+"""Velocity in space and time, and what is kept of a run to draw it.
+
+Plug-ins take this module to draw maps: `SpaceTime` collects the velocities of a run, `spacetime_figure` draws them,
+`draw_maps` draws them into a figure of theirs, with `panels` for its shape; `RootScale` is the scale of the colours.
+
+Examples:
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> frames = engine.run(problem)
+    >>> data = watch(spacetime.SpaceTime(problem), frames.blocks())
+    >>> spacetime.RootScale.of(problem, data.beads, data.velocity[:, 0]).ticks  # in units of V
+    [-0.5, -0.2, -0.05, 0.0, 0.05, 0.2, 0.5]
+    >>> spacetime.spacetime_figure(data).savefig(tmp / "map.png", dpi=30)
+"""
 
 import math
 from collections.abc import Sequence
@@ -117,7 +129,16 @@ class RootScale:
 
     @classmethod
     def of(cls, problem: Problem, beads: Integers, values: Floats) -> "RootScale":
-        """Scale of values [..., bead], up to the largest farther than `NEAR` from kicked beads; of all if that is 0."""
+        """Scale of values up to the largest farther than `NEAR` from kicked beads; of all if that is 0.
+
+        Args:
+            problem: what was run.
+            beads: [bead] numbers of the beads.
+            values: [..., bead] in any unit.
+
+        Returns:
+            The scale, whose limit is in the unit of the values.
+        """
         size = np.abs(np.nan_to_num(values))
         kicked = [bead for _, bead, _ in physics.excitations(problem.system)]
         far = np.all([np.abs(beads - bead) > cls.NEAR for bead in kicked], axis=0)
@@ -129,7 +150,14 @@ class RootScale:
         return self.STILL * self.limit
 
     def moves(self, values: Floats) -> Flags:
-        """Beads [bead] at which some of the values [..., bead] are seen."""
+        """Beads at which some values are seen.
+
+        Args:
+            values: [..., bead] in the unit of the limit.
+
+        Returns:
+            The mask, [bead].
+        """
         size = np.abs(np.nan_to_num(values))
         return np.asarray(np.max(size, axis=tuple(range(size.ndim - 1)), initial=0.0) > self.least)
 
@@ -137,7 +165,7 @@ class RootScale:
         """Ends of the axis of beads: all, or those that move with as many around if they are less than half.
 
         Args:
-            values: [..., bead] of the map.
+            values: [..., bead] of the map, in the unit of the limit.
             places: [bead] numbers of the beads, or places on the axis, evenly spaced.
             ends: of the axis that shows all.
         """
@@ -165,7 +193,14 @@ class RootScale:
 
     @staticmethod
     def root(value: Floats) -> Floats:
-        """Square root of the size of each value [...], with its sign."""
+        """Square root of the size of each value, with its sign.
+
+        Args:
+            value: [...] in any unit.
+
+        Returns:
+            [...] in the root of that unit.
+        """
         return np.asarray(np.sign(value) * np.sqrt(np.abs(value)))
 
 
@@ -174,7 +209,15 @@ def _square(value: Floats) -> Floats:
 
 
 def panels(problem: Problem, chains: int) -> tuple[int, int]:
-    """Rows and columns of panels for so many chains: those of a lattice that is all shown, else as few rows as fit."""
+    """Rows and columns of panels for so many chains: those of a lattice that is all shown, else as few rows as fit.
+
+    Args:
+        problem: what is drawn.
+        chains: number of chains that are shown.
+
+    Returns:
+        Number of rows, and of columns.
+    """
     lattice = grid(problem)
     if lattice is not None and chains == problem.chains:
         return lattice

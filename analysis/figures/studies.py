@@ -1,4 +1,15 @@
-"""Figures of many runs: a quantity over one or two swept fields, and its histogram."""
+"""Figures of many runs: a quantity over one or two swept fields, and its histogram.
+
+Plug-ins take this module to draw what a study has computed: a `StudyAxis` is a column of numbers with its label and
+uncertainties, `swept_figure` draws curves and `map_figure` a map; `Sought` marks a value.
+
+Examples:
+    >>> coupling = studies.StudyAxis(units.Label("coupling", "k"), studies.floats([0.1, 0.2, 0.4]))
+    >>> beads = studies.StudyAxis(units.Label("beads until the pulses agree"), studies.floats([58, 29, None]))
+    >>> studies.swept_figure(beads, coupling, title="two chains").savefig(tmp / "study.png", dpi=30)
+    >>> beads.values, coupling.logarithmic
+    (array([58., 29., nan]), True)
+"""
 
 import math
 import re
@@ -77,7 +88,7 @@ class StudyAxis:
 
     @property
     def open(self) -> Flags:
-        """Cases that have a number which may yet change."""
+        """Cases, [case], that have a number which may yet change."""
         defined = np.isfinite(self.values)
         return defined & self.unsettled if self.unsettled is not None else np.zeros_like(defined)
 
@@ -88,7 +99,7 @@ class StudyAxis:
 
     @property
     def edges(self) -> Floats:
-        """Borders [value + 1] of the cells around the distinct values, in ascending order."""
+        """Borders [value + 1] of the cells around the distinct values, in their unit, ascending."""
         return edges(np.unique(self.values))
 
     @property
@@ -100,7 +111,14 @@ class StudyAxis:
 
 
 def largest_of(values: Floats) -> float:
-    """Size of the largest finite value [case]; 0 where there is none."""
+    """Size of the largest finite value.
+
+    Args:
+        values: [case] in any unit.
+
+    Returns:
+        The size, in that unit; 0 where there is no finite value.
+    """
     return float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0))
 
 
@@ -153,7 +171,7 @@ def swept_figure(
         over: the field along the horizontal axis.
         beside: the second field, of at most `MOST_LINES` values.
         title: for the top.
-        passed: ranges of the horizontal axis, [band, 2], that let small waves pass; all else is shaded.
+        passed: ranges [band, 2] in the unit of ``over`` that let small waves pass; all else is shaded.
         sought: a value of the quantity that is marked, and where the quantity has it.
     """
     if sought is not None:

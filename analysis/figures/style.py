@@ -1,4 +1,22 @@
-"""What all figures share: colours, dashes, sizes, labels, units, and how one becomes the content of a file."""
+"""What all figures share: colours, dashes, sizes, labels, units, and how one becomes the content of a file.
+
+Plug-ins take this module so that their figures look like the others: a function that draws is `styled`, begins with
+`new_figure`, takes colours from `CHAIN_COLOURS` and units from `axis_unit`, and ends with `letter`, `head` and
+`legend_below`. `title` names a run, `picture` gives the content of a file.
+
+Examples:
+    >>> problem = granchain.load("one-chain").problem()
+    >>> @style.styled
+    ... def speeds(beads, values):
+    ...     figure = style.new_figure(2.5, 4.0)
+    ...     figure.subplots().plot(beads, values, color=style.CHAIN_COLOURS[0])
+    ...     style.head(figure, style.title(problem))
+    ...     return figure
+    >>> style.picture(speeds([10, 20], [0.62, 0.58]), "png", dpi=30)[1:4]
+    b'PNG'
+    >>> style.title(problem)
+    'one-chain: 1 chain of 120 beads, $V$ = 1'
+"""
 
 import functools
 import io
@@ -103,20 +121,39 @@ def is_narrow() -> bool:
 
 
 def new_figure(height: float, width: float = 7.0) -> Figure:
-    """An empty figure, of the width that is asked for (`WIDTH`) if there is one, and then less high or higher."""
+    """An empty figure, of the width that is asked for (`WIDTH`) if there is one, and then less high or higher.
+
+    Args:
+        height: in inches.
+        width: in inches, where none is asked for.
+
+    Returns:
+        The figure, of matplotlib, whose layout makes room for all that it gets.
+    """
     column = WIDTH.get()
     size = (width, height) if column is None else (column, height * math.sqrt(column / width))
     return Figure(figsize=size, layout="constrained")
 
 
 def head(figure: Figure, text: str) -> None:
-    """Write a title, but where a width is asked for: a journal has captions."""
+    """Write a title, but where a width is asked for: a journal has captions.
+
+    Args:
+        figure: figure whose panels are drawn.
+        text: one line or several; long ones are broken.
+    """
     if WIDTH.get() is None:
         figure.suptitle("\n".join(_wrapped(line, figure.get_figwidth()) for line in text.splitlines()))
 
 
 def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str]) -> None:
-    """Put a legend below the panels, where it hides no curve, in as few rows as fit; the figure grows by these."""
+    """Put a legend below the panels, where it hides no curve, in as few rows as fit; the figure grows by these.
+
+    Args:
+        figure: figure whose panels are drawn.
+        handles: curves and marks of matplotlib.
+        labels: words of each of them.
+    """
     if not handles:
         return
     inches = 0.5 + 0.06 * max(map(len, labels))  # of a column: a letter has about half its height of 9 points

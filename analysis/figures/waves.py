@@ -176,7 +176,24 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
 
 
 def response_of(problem: Problem, blocks: Iterable[Trajectory], beads: Sequence[int], waves: Waves) -> Figure:
-    """`response_figure` of some beads of a run, from consecutive frames [frame, chain, bead]."""
+    """Velocity of some beads over time, and the passage of the leading pulse; see `response_figure`.
+
+    Args:
+        problem: what was run.
+        blocks: consecutive frames, with velocities [frame, chain, bead] in units of V.
+        beads: numbers of the beads.
+        waves: leading pulses, with arrivals in units of T.
+
+    Returns:
+        The figure, of matplotlib.
+
+    Examples:
+        >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+        >>> frames = engine.run(problem)
+        >>> waves = Survey(problem, frames.blocks, "maximum").waves
+        >>> len(response_of(problem, frames.blocks(), (5, 10), waves).axes)  # two for each bead
+        4
+    """
     return response_figure(watch(BeadHistory(problem, beads), blocks), waves)
 
 

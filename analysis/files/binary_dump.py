@@ -62,6 +62,14 @@ class BinaryDump:
         columns: names of the columns, such as ``("id", "x", "vx")``.
         ids: [atom], ascending; the order of atoms in everything that is read.
         cut: whether the file ends within a frame, which is left out.
+
+    Examples:
+        >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0, "timestep": 0.05}).problem()
+        >>> with recording.Writer(tmp / "dump.bin", problem) as writer:
+        ...     writer.append(0, np.zeros((1, 20)), np.eye(1, 20))
+        >>> dump = BinaryDump(tmp / "dump.bin")
+        >>> dump.columns, dump.read(columns=["vx"]).shape  # [frame, column, atom]
+        (('id', 'x', 'vx'), (1, 1, 20))
     """
 
     def __init__(self, path: Path | str) -> None:
@@ -114,7 +122,7 @@ class BinaryDump:
             columns: names of the columns to keep; all of them by default.
 
         Returns:
-            [frame, column, atom].
+            [frame, column, atom] in the units of the dump.
 
         Raises:
             InputError: a column is not there, or a frame is damaged or holds other atoms than the first frame.

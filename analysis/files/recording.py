@@ -2,6 +2,16 @@
 
 Maps atoms to beads: atom = (chain - 1) * beads + bead, and where it rests. The file format is in
 `binary_dump`.
+
+Plug-ins take this module for dumps of LAMMPS: `blocks` and `read` read those of a problem, `Writer` writes one,
+`all_ids` has the numbers of its atoms.
+
+Examples:
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0, "timestep": 0.05}).problem()
+    >>> with recording.Writer(tmp / "dump.bin", problem) as writer:
+    ...     writer.append(0, np.zeros((1, 20)), np.eye(1, 20))  # [line, bead] in units of L and V
+    >>> recording.read([tmp / "dump.bin"], problem).velocity[0, 0, :3]
+    array([1., 0., 0.])
 """
 
 import warnings
@@ -99,7 +109,18 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
 
 
 def read(paths: Sequence[Path], problem: Problem) -> Trajectory:
-    """All frames of files in memory, [frame, chain, bead]; see `blocks`."""
+    """All frames of files in memory.
+
+    Args:
+        paths: the files.
+        problem: what was run.
+
+    Returns:
+        The frames, [frame, chain, bead] in units of T, L and V.
+
+    Raises:
+        InputError: files cannot be used; see `blocks`.
+    """
     return joined(blocks(paths, problem))
 
 
@@ -198,8 +219,9 @@ class Writer:
 
         Args:
             step: number of the time step.
-            displacement: [line, recorded bead], further lines of atoms after the chains (`Trajectory.atoms`).
-            velocity: [line, recorded bead], with the same lines.
+            displacement: [line, recorded bead] in units of L, further lines of atoms after the chains
+                (`Trajectory.atoms`).
+            velocity: [line, recorded bead] in units of V, with the same lines.
             contact_state: [chain, bead + 1] states of contacts, where forces depend on them.
 
         Raises:

@@ -2,6 +2,16 @@
 
 Columns are named as in ``forces.csv``, or by single words (`WANTED` shows both), with or without a unit in brackets.
 A place without a value is empty or ``nan``. A long table of beads (see `table`) is one trace for every bead.
+
+Plug-ins take this module for data of experiments: `load` reads a file; each `Channel` of it says what was measured and
+where, which `analysis.gauges.channels` computes for a run.
+
+Examples:
+    >>> head = "time (us),force_wall_right (N)"
+    >>> np.savetxt(tmp / "data.csv", [[0.0, 0.0], [5.0, 3.2]], delimiter=",", header=head, comments="")
+    >>> data = traces.load(tmp / "data.csv")
+    >>> data.channels[0].name, data.time, data.values[:, 0]  # in s and N
+    ('force_wall_right_chain_1', array([0.e+00, 5.e-06]), array([0. , 3.2]))
 """
 
 import math

@@ -1,4 +1,17 @@
-"""Traces of forces and motions as they would have been measured in a run."""
+"""Traces of forces and motions as they would have been measured in a run.
+
+Plug-ins take this module to compare a run with data: `check` refuses channels that a scene has not, `beads_of` has the
+beads to record, `read` and `read_at` give the traces. Channels are those of `analysis.files.traces`.
+
+Examples:
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> frames = engine.run(problem)
+    >>> chosen = (traces.Channel("velocity", chain=1, bead=5), traces.Channel("contact", chain=1, bead=5))
+    >>> channels.beads_of(chosen, problem)
+    (5, 6)
+    >>> channels.read(frames, chosen)[55].round(3)  # at t = 5.5 T, in units of V and m V / T
+    array([0.69 , 0.437])
+"""
 
 from pathlib import Path
 
@@ -27,6 +40,11 @@ def complaint(channel: Channel, problem: Problem) -> str | None:
 def check(path: Path, channels: tuple[Channel, ...], problem: Problem) -> None:
     """Refuse traces of what the scene has not.
 
+    Args:
+        path: file of the traces, for the message.
+        channels: channels of the file.
+        problem: problem of the scene.
+
     Raises:
         InputError: naming the first of them.
     """
@@ -37,7 +55,15 @@ def check(path: Path, channels: tuple[Channel, ...], problem: Problem) -> None:
 
 
 def beads_of(channels: tuple[Channel, ...], problem: Problem) -> tuple[int, ...]:
-    """Beads whose motion the channels follow from, ascending."""
+    """Beads whose motion the channels follow from.
+
+    Args:
+        channels: channels that the problem has (`check`).
+        problem: problem of the scene.
+
+    Returns:
+        Numbers of the beads, ascending.
+    """
     beads: set[int] = set()
     for channel in channels:
         gauge = _gauge(channel, problem)
@@ -47,7 +73,15 @@ def beads_of(channels: tuple[Channel, ...], problem: Problem) -> tuple[int, ...]
 
 
 def read(trajectory: Trajectory, channels: tuple[Channel, ...]) -> Floats:
-    """Dimensionless values at the frames, [frame, channel]; the beads of `beads_of` must be recorded."""
+    """Values of channels at the frames of a run.
+
+    Args:
+        trajectory: frames in which the beads of `beads_of` are recorded.
+        channels: channels that its problem has (`check`).
+
+    Returns:
+        [frame, channel] in units of V, L, or m V / T.
+    """
     problem = trajectory.problem
     readers = [(_gauge(channel, problem), channel) for channel in channels]
     distinct = {gauge.name: gauge for gauge, _ in readers if gauge is not None}
@@ -64,7 +98,15 @@ def read(trajectory: Trajectory, channels: tuple[Channel, ...]) -> Floats:
 
 
 def read_at(run: Trajectory, channels: tuple[Channel, ...], times: Floats) -> Floats:
-    """Values at ascending times, both in the scene's units, [time, channel]; 0 before the start.
+    """Values of channels at any times, interpolated between frames; 0 before the start.
+
+    Args:
+        run: frames in which the beads of `beads_of` are recorded.
+        channels: channels that its problem has (`check`).
+        times: [time] ascending, in the scene's unit.
+
+    Returns:
+        [time, channel] in the scene's units.
 
     Raises:
         InputError: times beyond the end of the run.

@@ -4,6 +4,17 @@ The force of a damped contact is all of it, that of its dashpot included, at the
 the moment of their positions. (LAMMPS itself takes the dashpot's at velocities of half a step before.)
 
 Between frames: the force of a contact (`ContactCurve`), its integral and maximum; the maximum and crossings of samples.
+
+Plug-ins take this module for forces: `gauges` chooses places of a system, `at_frames` reads their forces.
+
+Examples:
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0, "walls": {"right": "bead"}}).problem()
+    >>> frames = engine.run(problem)
+    >>> chosen = gauge.gauges(problem.system, wall=True, contacts=(10,))
+    >>> [each.name for each in chosen]
+    ['right wall', 'contact 10']
+    >>> gauge.at_frames(frames, chosen).max(axis=0).round(2)  # [chain, gauge] in m V / T
+    array([[1.12, 0.64]])
 """
 
 import itertools
@@ -81,7 +92,17 @@ class Gauge:
 def gauges(
     system: System, *, wall: bool = False, contacts: tuple[int, ...] = (), sensors: tuple[int, ...] = ()
 ) -> tuple[Gauge, ...]:
-    """Gauges at walls, between beads n and n + 1, and inside beads; from left to right by kind."""
+    """Gauges at walls, between beads n and n + 1, and inside beads; from left to right by kind.
+
+    Args:
+        system: its walls and contacts.
+        wall: whether each wall has one.
+        contacts: number n of the bead before each contact, from 1.
+        sensors: number of each bead with a gauge inside, between the first and the last bead.
+
+    Returns:
+        The gauges: at walls, in contacts, inside beads.
+    """
     chosen = []
     for link in physics.walls(system) if wall else ():
         name, bead = ("right wall", system.beads) if link.side > 0.0 else ("left wall", 1)
@@ -152,7 +173,16 @@ def _loss(damper: Any, place: int, gap: float) -> Callable[[Floats, Floats, Inte
 
 
 def at_frames(block: Trajectory, gauges: tuple[Gauge, ...], *, dashpots: bool = True) -> Floats:
-    """Forces of gauges at the frames of a run, [frame, chain, gauge] in m V / T; their beads must be recorded."""
+    """Forces of gauges at the frames of a run.
+
+    Args:
+        block: frames in which the beads of the gauges are recorded.
+        gauges: places of the forces.
+        dashpots: whether the force of dashpots is included.
+
+    Returns:
+        [frame, chain, gauge] in units of m V / T.
+    """
     force = np.zeros((block.frames, block.problem.chains, len(gauges)))
     for place, gauge in enumerate(gauges):
         for probe in gauge.probes:

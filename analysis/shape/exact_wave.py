@@ -22,6 +22,15 @@ the grid's spacing.
 
 Mass and contact constant are 1. Nothing here depends on runs: waves found in a trajectory are compared elsewhere. The
 wave of a system's contacts, where they have one, is `wave_of`.
+
+Plug-ins take this module to compare pulses with theory: `solitary_wave` is exact, `nesterenko` the long-wave theory.
+
+Examples:
+    >>> exact, theory = exact_wave.solitary_wave(), exact_wave.nesterenko()
+    >>> round(exact.speed, 4), round(theory.speed, 4)  # at a peak velocity of V, in beads / T
+    (0.9075, 0.9146)
+    >>> exact.velocity([0.0, 1.0, 2.0]).round(4)  # ahead of the peak, in units of V
+    array([1.    , 0.3263, 0.0087])
 """
 
 from dataclasses import dataclass, field

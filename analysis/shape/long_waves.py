@@ -8,6 +8,16 @@
 
 The theory takes the chain for a continuum; the waves of the discrete one are faster, by 1.0004 at a ratio of 1.955 and
 by 1.0085 at 67.7.
+
+Plug-ins take this module for loaded chains: `sound_speed` at every bead, `speed_over_sound` of a pulse of some force,
+and `cell_beads`, the number of beads after which a chain repeats.
+
+Examples:
+    >>> system = granchain.load("precompressed").system
+    >>> long_waves.sound_speed(system)[0, 10:12].round(4)  # of chain 1 at beads 11 and 12, in beads / T
+    array([1.2393, 1.2393])
+    >>> round(float(long_waves.speed_over_sound(2.0)), 4), long_waves.cell_beads(system)
+    (1.0449, 1)
 """
 
 import functools
@@ -35,10 +45,15 @@ _ABOVE = np.logspace(-4.0, 13.0, 2000)
 def speed_over_sound(ratio: Floats | float, exponent: float = 1.5) -> Floats:
     """Speed of the solitary wave over that of sound (Nesterenko 2001, eq. 1.113; Daraio et al. 2006, eq. 3).
 
-    It has the shape of ``ratio``, the largest total force of a contact over that at rest.
-
     ``sqrt{(4/15) (3 + 2 f^(5/3) - 5 f^(2/3))} / (f^(2/3) - 1)`` for spheres; 1 for a ratio of 1. For contacts of any
     exponent p: ``sqrt{2 / (p (p + 1)) (p + f^(1 + 1/p) - (p + 1) f^(1/p))} / (f^(1/p) - 1)``.
+
+    Args:
+        ratio: [...] largest total force of a contact over that at rest, f; dimensionless.
+        exponent: exponent p of the contact force.
+
+    Returns:
+        [...] dimensionless.
     """
     return _amplitude(ratio, exponent) / np.maximum(_strain(ratio, exponent) - 1.0, 1e-300)
 
@@ -86,9 +101,15 @@ def cell_beads(system: System) -> int:
 
 
 def sound_speed(system: System) -> Floats:
-    """Speed of long waves at every bead, [chain, bead] in beads / T, from the masses and contacts near it.
+    """Speed of long waves at every bead, from the masses and contacts near it.
 
     ``sqrt(1 / (mean mass * mean compliance))``, exact where all beads, or all cells of beads, are the same.
+
+    Args:
+        system: masses and contacts.
+
+    Returns:
+        [chain, bead] in units of beads / T; 0 without a static load.
     """
     stiffness = np.broadcast_to(
         sum(laws.stiffness(link.law, 0.0) for link in system.along), (system.chains, system.beads - 1)

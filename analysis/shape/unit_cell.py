@@ -3,6 +3,16 @@
 Small motions about rest are those of a lattice of springs, ``omega = 2 sqrt(k / m) |sin(q / 2)|`` for equal beads;
 two alternating beads have bands with the edges ``2 k / M``, ``2 k / m`` and ``2 k (1 / m + 1 / M)`` (of omega squared;
 Brillouin, Wave Propagation in Periodic Structures, 1946).
+
+Plug-ins take this module for small waves in loaded chains: `bands` has the frequencies at which they pass, `cell_of`
+the `UnitCell`, with branches and modes at any wavenumber, or a `NoDispersionError` that says why there is none.
+
+Examples:
+    >>> system = granchain.load("precompressed").system
+    >>> unit_cell.bands(system).round(3)  # [branch, 2] in 1 / T
+    array([[0.   , 2.479]])
+    >>> unit_cell.bands(granchain.load("one-chain").system) is None  # without a load there is no sound
+    True
 """
 
 import itertools
@@ -54,15 +64,28 @@ class UnitCell:
         return int(self.mass.shape[1])
 
     def branches(self, wavenumber: Floats) -> Floats:
-        """Angular frequencies in 1 / T, ascending, [wavenumber, branch]; wavenumbers in radians a bead."""
+        """Angular frequencies of all branches.
+
+        Args:
+            wavenumber: [wavenumber] in units of radians a bead.
+
+        Returns:
+            [wavenumber, branch] in units of 1 / T, ascending.
+        """
         squares = np.linalg.eigvalsh(self._dynamical_matrix(wavenumber))
         return np.asarray(np.sqrt(np.maximum(squares, 0.0)))
 
     def modes(self, wavenumber: Floats) -> tuple[Floats, Complexes]:
-        """Angular frequencies [wavenumber, branch] in 1 / T, ascending; mode shapes [wavenumber, branch, line, bead].
+        """Angular frequencies of all branches, and their mode shapes.
 
         A shape is that of the velocities over ``exp(i q n)``, n counting the beads, times the root of the masses:
         shapes of one wavenumber are orthonormal. It is 0 where there is no atom.
+
+        Args:
+            wavenumber: [wavenumber] in units of radians a bead.
+
+        Returns:
+            [wavenumber, branch] in units of 1 / T, ascending; [wavenumber, branch, line, bead] dimensionless.
         """
         squares, vectors = np.linalg.eigh(self._dynamical_matrix(wavenumber))
         shapes = np.zeros((*squares.shape, self.mass.size), dtype=complex)
@@ -106,7 +129,7 @@ class UnitCell:
         return math.nan if abs(half) < 1.0 else math.copysign(math.exp(-math.acosh(abs(half))), half)
 
     def bands(self) -> Floats:
-        """Lowest and highest angular frequency of every branch, [branch, 2] in 1 / T.
+        """Lowest and highest angular frequency of every branch, [branch, 2] in units of 1 / T.
 
         Branches are numbered by their frequency at each wavenumber. Where two of them cross, the end of the lower band
         is the beginning of the upper one.
@@ -175,7 +198,14 @@ def cell_of(system: System) -> UnitCell:
 
 
 def bands(system: System) -> Floats | None:
-    """Lowest and highest angular frequency of every branch of small waves, [branch, 2] in 1 / T; None if undefined."""
+    """Lowest and highest angular frequency of every branch of small waves.
+
+    Args:
+        system: masses and links.
+
+    Returns:
+        [branch, 2] in units of 1 / T; None where there is no dispersion relation (`cell_of`).
+    """
     try:
         return cell_of(system).bands()
     except NoDispersionError:

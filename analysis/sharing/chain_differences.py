@@ -12,7 +12,7 @@ import numpy as np
 from analysis.compare.difference import Deviation, DeviationPlace, deviation_of
 from analysis.sharing.energies import EnergyFlow
 from analysis.sharing.impulses import ImpulseMeter, Impulses
-from analysis.trajectory import Floats, Integers, Trajectory, along_the_way, direction_of
+from analysis.trajectory import Floats, Integers, Trajectory, along_the_way
 from lammps_inputs import Problem
 
 FREE_END = 5
@@ -105,7 +105,7 @@ class ChainMeter:
         """
         problem, elastic = self._problem, self._impulses.result()
         bead, rows, rigid_rows = np.intersect1d(elastic.bead, rigid.bead, return_indices=True)
-        bead = bead if direction_of(problem) > 0 else bead - 1
+        bead = bead if problem.direction > 0 else bead - 1
         position = along_the_way(problem, bead)
         passed = np.any(elastic.first[:, rows] > 0.0, axis=0) & np.any(rigid.first[:, rigid_rows] > 0.0, axis=0)
         if problem.beads > 2 * FREE_END:

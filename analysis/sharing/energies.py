@@ -10,6 +10,17 @@ read a second time. The energy of a spring is shared by its two chains there. In
 Springs that vary in time: the action of the modes in which rows oscillate, energy over angular frequency, is an
 adiabatic invariant. Each mode keeps its action where stiffnesses change slowly, and modes exchange it where their
 frequencies come close (Landau and Zener; Novotny 2010). Rows are independent of each other while no contact is loaded.
+
+Plug-ins take this module for the flow of energy between chains: `EnergyFlow` collects a `Flow`.
+
+Examples:
+    >>> problem = granchain.load("two-chains", {"beads": 20, "duration": 30.0}).problem()
+    >>> frames = engine.run(problem)
+    >>> flow = watch(energies.EnergyFlow(problem), frames.blocks()).result()
+    >>> flow.share[[0, 150, 300]].round(3)  # [instant, chain], at t = 0, 15 T and 30 T
+    array([[1.   , 0.   ],
+           [0.267, 0.733],
+           [0.58 , 0.42 ]])
 """
 
 from dataclasses import replace

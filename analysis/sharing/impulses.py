@@ -10,6 +10,18 @@ its neighbours in the other chains, so that the peak velocities of a row level o
 
 The error of those of frames follows from the momentum of all beads ahead, which grows by what passes a row (springs are
 within a row and cancel): `Impulses.imbalance`.
+
+Plug-ins take this module for impulses of contacts: `measure` reads them from frames, an engine of rigid beads makes
+`Impulses` itself, `relative_difference` compares the chains.
+
+Examples:
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> frames = engine.run(problem)
+    >>> received = impulses.measure(problem, frames.blocks())
+    >>> received.bead[:3], received.first[0, :3].round(3)  # of chain 1, in m V
+    (array([2, 3, 4]), array([1.071, 1.101, 1.117]))
+    >>> received.contacts[0, -2:]  # of beads 19 and 20
+    array([1, 1])
 """
 
 from collections.abc import Iterable
@@ -22,7 +34,6 @@ from analysis.trajectory import (
     Floats,
     Integers,
     Trajectory,
-    direction_of,
     joined,
     mirrored,
     mirrored_problem,
@@ -78,7 +89,14 @@ def compared_by_impulses(system: System) -> bool:
 
 
 def relative_difference(impulse: Floats) -> Floats:
-    """Relative difference of chains, [row]: (largest - smallest) / mean of impulses [chain, row]; NaN without any."""
+    """Relative difference of the impulses of chains: (largest - smallest) / mean.
+
+    Args:
+        impulse: [chain, row] in units of m V.
+
+    Returns:
+        [row] dimensionless; NaN where the mean is not positive.
+    """
     mean = impulse.mean(axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(mean > 0.0, (impulse.max(axis=0) - impulse.min(axis=0)) / mean, np.nan)
@@ -187,11 +205,22 @@ class ImpulseMeter:
 def meter_of(problem: Problem) -> ImpulseMeter | None:
     """A meter of the impulses by which chains are compared; None where they are not, or not all beads are recorded."""
     measured = problem.whole and compared_by_impulses(problem.system)
-    return ImpulseMeter(problem, direction_of(problem)) if measured else None
+    return ImpulseMeter(problem, problem.direction) if measured else None
 
 
 def measure(problem: Problem, blocks: Iterable[Trajectory]) -> Impulses:
-    """Impulses in a run given as consecutive blocks of frames; see `ImpulseMeter`."""
+    """Impulses of contacts in a run.
+
+    Args:
+        problem: what was run.
+        blocks: consecutive frames, the first frame being the start; see `ImpulseMeter`.
+
+    Returns:
+        The impulses until the last frame.
+
+    Raises:
+        ValueError: there was no frame.
+    """
     return watch(ImpulseMeter(problem), blocks).result()
 
 

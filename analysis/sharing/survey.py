@@ -43,7 +43,6 @@ from analysis.trajectory import (
     Trajectory,
     Watcher,
     along_the_way,
-    direction_of,
     mirrored,
     mirrored_bead,
     mirrored_problem,
@@ -71,6 +70,15 @@ class Survey:
             with their exchange (`analysis.trajectory.EXCHANGES`) where forces from outside act on the beads.
         arrival: what an arrival of ``waves`` is; the passages of ``pulses`` are always the maxima.
         tolerances: within which a pulse counts as solitary.
+
+    Examples:
+        >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+        >>> frames = engine.run(problem)
+        >>> survey = Survey(problem, frames.blocks, arrival="maximum")
+        >>> survey.waves.at(15).arrival.round(2), survey.waves.at(15).peak_velocity.round(3)  # in units of T and V
+        (array([17.43]), array([0.682]))
+        >>> len(survey.pulses), survey.pulses[0].direction
+        (1, 1)
     """
 
     problem: Problem
@@ -91,7 +99,7 @@ class Survey:
         The leading waves run that way, and in ``shared``, ``energies``, ``decay`` and ``verdict`` beads are counted
         along it (from the last bead if -1).
         """
-        return direction_of(self.problem)
+        return self.problem.direction
 
     @cached_property
     def along(self) -> Problem:

@@ -2,6 +2,18 @@
 
 With kicks both ways not every first maximum of a bead is the leading pulse's (`leading_passages`). `succession` finds
 where one leading pulse ends and another one leads.
+
+Plug-ins take this module for the leading pulses: `Waves` is the table that a survey has, `leading_finder` and
+`leading_passages` give its maxima alone, `usual_arrival` the definition of an arrival.
+
+Examples:
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> frames = engine.run(problem)
+    >>> peaks = watch(leading_waves.leading_finder(problem), frames.blocks()).result()
+    >>> leading_waves.leading_passages(peaks, problem).time[:3].round(3)  # at beads 1 to 3, in units of T
+    array([0.   , 1.883, 3.121])
+    >>> leading_waves.usual_arrival(problem)
+    'maximum'
 """
 
 from dataclasses import replace
@@ -14,7 +26,7 @@ from analysis.quantity import declare, declared, in_units, result
 from analysis.tracking.peaks import PeakFinder, Peaks
 from analysis.tracking.pulses import Pulse, local_speed, track_pulses
 from analysis.tracking.succession import Change, changes, numbers
-from analysis.trajectory import Flags, Floats, Integers, direction_of, mirrored_bead
+from analysis.trajectory import Flags, Floats, Integers, mirrored_bead
 from lammps_inputs import Problem, physics
 from lammps_inputs.units import Scale
 
@@ -246,7 +258,7 @@ def mirrored_waves(waves: Waves, problem: Problem) -> Waves:
 
 def opposed(problem: Problem) -> bool:
     """Whether there are kicks both ways, so that a bead's first maximum may be residual motion of the other pulse."""
-    return any(velocity * direction_of(problem) < 0.0 for _, _, velocity in physics.excitations(problem.system))
+    return any(velocity * problem.direction < 0.0 for _, _, velocity in physics.excitations(problem.system))
 
 
 def leading_finder(problem: Problem) -> PeakFinder:
@@ -255,7 +267,15 @@ def leading_finder(problem: Problem) -> PeakFinder:
 
 
 def leading_passages(peaks: Peaks, problem: Problem) -> Peaks:
-    """Maxima of a run that may be the leading pulse's: all, or a few with kicks in both directions."""
+    """Maxima of a run that may be the leading pulse's: all, or a few with kicks in both directions.
+
+    Args:
+        peaks: maxima that `leading_finder` found.
+        problem: what was run.
+
+    Returns:
+        The maxima at beads from the first kicked one on, in the pulse's direction.
+    """
     passages = of_pulses(peaks, track_pulses(peaks, problem)) if opposed(problem) else peaks
     return beyond_kicks(passages, problem)
 

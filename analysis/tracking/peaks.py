@@ -2,6 +2,18 @@
 
 `peak_bounds` has the place between the frames, and its uncertainty. A run is read block by block, so memory does not
 grow with the number of frames; no number depends on where the blocks begin.
+
+Plug-ins take this module for maxima of velocity: a `PeakFinder` is shown a run and gives its `Peaks`; `sharp` says
+which of them have a defined time.
+
+Examples:
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> frames = engine.run(problem)
+    >>> maxima = watch(peaks.PeakFinder(), frames.blocks()).result()
+    >>> maxima.bead[8:10], maxima.velocity[8:10].round(4), maxima.time[8:10].round(2)  # in units of V and T
+    (array([ 9, 10]), array([0.6825, 0.6821]), array([10.29, 11.48]))
+    >>> peaks.sharp(maxima)[-2:]  # the last bead flies off: the time of its largest velocity is undefined
+    array([ True, False])
 """
 
 from collections.abc import Iterable
@@ -17,7 +29,6 @@ from analysis.trajectory import (
     Floats,
     Integers,
     Trajectory,
-    direction_of,
     joined,
     mirrored_bead,
     watch,
@@ -144,7 +155,7 @@ class PeakFinder:
         self._carried = later._carried
 
     def _way(self, block: Trajectory) -> int:
-        return direction_of(block.problem) if self._direction is None else self._direction
+        return block.problem.direction if self._direction is None else self._direction
 
     def _start(self, block: Trajectory) -> None:
         """The beads that are fastest at the start."""

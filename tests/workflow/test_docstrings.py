@@ -6,6 +6,7 @@ from functools import cached_property
 from types import FunctionType
 
 import pytest
+from docstring_examples import failures
 
 import granchain
 from analysis.columns import Columns
@@ -70,13 +71,9 @@ def place(tmp_path_factory):
 @pytest.mark.slow
 @pytest.mark.usefixtures("pool_here", "lammps_here")
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_the_example_prints_what_is_written(name, place, monkeypatch):
+def test_the_example_prints_what_is_written(name, place, tmp_path, monkeypatch):
     monkeypatch.chdir(place)
-    lines = []
-    test = EXAMPLES[name]
-    test.globs = {"granchain": granchain}
-    doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(test, out=lines.append)
-    assert lines == []
+    assert failures(EXAMPLES[name].docstring, tmp_path) == ""
 
 
 def test_every_function_and_what_results_have_is_shown_by_an_example():

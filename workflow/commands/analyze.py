@@ -1,4 +1,16 @@
-"""Find the pulses in a run, measure them and draw them."""
+"""Find the pulses in a run, measure them and draw them.
+
+Plug-ins take this module to add to the command: `analysis_of` makes its analysis, `report` prints it, with further
+tables.
+
+Examples:
+    >>> import argparse
+    >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
+    >>> done = granchain.run(scene, tmp / "run", engine="reference")
+    >>> arguments = argparse.Namespace(directory=tmp / "run", beads=None, no_figures=True, arrival=None)
+    >>> analyze.analysis_of(arguments)
+    <analysis of one-chain: 1 pulse was tracked>
+"""
 
 import argparse
 import json
@@ -55,7 +67,16 @@ def analysis_of(arguments: argparse.Namespace) -> Analysis:
 def report(
     arguments: argparse.Namespace, analysis: Analysis, *tables: tuple[str, list[str], list[list[str]]]
 ) -> CommandResult:
-    """Print an analysis, and further tables (title, heading, rows), and the files that were written."""
+    """Print an analysis, and the files that were written.
+
+    Args:
+        arguments: arguments of the command.
+        analysis: what `analysis_of` returned.
+        tables: further tables, each of title, headings and rows.
+
+    Returns:
+        The command's result, with what ``analysis.json`` holds.
+    """
     print_heading(analysis.problem.name, RunDirectory(arguments.directory).scene.units)
     for line in (*lines(analysis), *tables):
         if isinstance(line, str):

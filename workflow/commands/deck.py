@@ -32,7 +32,27 @@ def execute(arguments: argparse.Namespace) -> int:
 
 
 def write(arguments: argparse.Namespace, further: FurtherFiles | None = None) -> WrittenDeck:
-    """Write a deck, and files beside it, and print what is known of the run before it starts."""
+    """Write a deck, and files beside it, and print what is known of the run before it starts.
+
+    Args:
+        arguments: arguments of the command (`add_arguments`).
+        further: gives files beside the deck; see `workflow.runs.deck_directory.write_deck`.
+
+    Returns:
+        The scene with its time step, and the names of the files.
+
+    Raises:
+        InputError: the scene or the directory cannot be used, or LAMMPS cannot compute the scene.
+
+    Examples:
+        >>> import argparse
+        >>> scene = "{name: short, beads: 20, kick: {velocity: 1.0}, duration: 30.0, timestep: 0.01}"
+        >>> _ = (tmp / "short.yaml").write_text(scene)
+        >>> arguments = {"scene": str(tmp / "short.yaml"), "output": tmp / "deck", "overwrite": False, "force": False}
+        >>> write(argparse.Namespace(**arguments)).files
+        short in reduced units: V = 1 (kick velocity), T = 1, L = 1
+        ('scene.yaml', 'in.chains', 'data.chains')
+    """
     written = write_deck(
         library.find(arguments.scene),
         arguments.output,

@@ -14,9 +14,9 @@ from workflow.runs import run as running
 from workflow.runs.completed_run import Check, CompletedRun
 from workflow.runs.contacts import LargestContactForce
 from workflow.runs.engines import engine_called
+from workflow.runs.job import onwards
 from workflow.runs.output_directory import refuse_to_overwrite
 from workflow.runs.resume import begun, resume, settings_of
-from workflow.runs.resumption import onwards
 from workflow.runs.size import size_of
 from workflow.screen import CommandResult, one_line, print_heading, progress_bar
 from workflow.verdicts.validate import TOLERANCES

@@ -61,8 +61,21 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
 def case_decks(arguments: argparse.Namespace) -> AbstractContextManager[CaseDecks]:
     """Cases of the command's sweep, whose decks are written in place of runs.
 
+    Args:
+        arguments: arguments of the command (`add_arguments`).
+
+    Returns:
+        The cases, in a context that keeps other commands out of the sweep's directory.
+
     Raises:
         InputError: an option cannot be used; else as `workflow.sweep.case_decks.planned_decks`.
+
+    Examples:
+        >>> import argparse
+        >>> _ = (tmp / "sweep.yaml").write_text("{scene: one-chain, vary: {kick.velocity: [1.0, 2.0]}}")
+        >>> with case_decks(argparse.Namespace(sweep=tmp / "sweep.yaml", output=tmp / "swept", jobs=1)) as decks:
+        ...     decks.to_do
+        ['kick.velocity=1', 'kick.velocity=2']
     """
     return planned_decks(_definition(arguments), arguments.output)
 

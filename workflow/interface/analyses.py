@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal
 from analysis.tracking.leading_waves import Arrival
 from lammps_inputs import InputError, plugins
 from lammps_inputs.complaints import suggestion
-from workflow.arguments import AnyRun, directory_of
 from workflow.checked import Between, checked
+from workflow.inputs import AnyRun, directory_of
 from workflow.verdicts import analyse as analysing
 from workflow.verdicts import validate as validating
 from workflow.verdicts.analyse import Analysis

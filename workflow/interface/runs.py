@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from lammps_inputs import file_names, plugins
-from workflow.arguments import AnyRun, AnyScene, load, source_of
 from workflow.checked import Between, checked
 from workflow.engines.registry import EngineName
+from workflow.inputs import AnyRun, AnyScene, load, source_of
 from workflow.runs import check as checking
 from workflow.runs import resume as resuming
 from workflow.runs import run as running

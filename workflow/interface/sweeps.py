@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lammps_inputs.numbers import plain_values
-from workflow.arguments import AnyDefinition, Processes
 from workflow.checked import checked
 from workflow.errors import RunError
+from workflow.inputs import AnyDefinition, Processes
 from workflow.sweep import collect as collecting
 from workflow.sweep import file
 from workflow.sweep.collect import SweepTable, named_fields
@@ -111,6 +111,10 @@ class NotebookFigure:
 
     Attributes:
         figure: the ``matplotlib.figure.Figure``, which may be changed and saved.
+
+    Examples:
+        >>> granchain.plot(granchain.collect("swept"), "speed", over="kick.velocity")
+        <figure; the attribute `figure` is matplotlib's>
     """
 
     figure: "Figure"

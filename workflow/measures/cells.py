@@ -18,7 +18,7 @@ from analysis.sharing.equipartition import dissipates
 from analysis.sharing.survey import Survey
 from analysis.tracking.pulses import Pulse
 from analysis.tracking.undisturbed import CLEAR
-from analysis.trajectory import Floats, Integers, Trajectory, along_the_way, direction_of
+from analysis.trajectory import Floats, Integers, Trajectory, along_the_way
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.unequal import Replacement
@@ -151,7 +151,7 @@ class CellMeter(Meter):
 
     def __init__(self, problem: Problem, replaced: tuple[Replacement, ...] = ()) -> None:
         self.problem, self._replaced = problem, replaced
-        self._last = -1 if direction_of(problem) > 0 else 0
+        self._last = -1 if problem.direction > 0 else 0
         self.beads: Floats | None = None
         self._end = np.zeros(problem.chains)
 

@@ -22,7 +22,7 @@ from analysis.gauges.gauge import (
 )
 from analysis.quantity import declare, result
 from analysis.sharing.survey import Survey
-from analysis.trajectory import Floats, Integers, Trajectory, direction_of
+from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem, System, physics
 from lammps_inputs.facts import Fact
 from workflow.measures.measurement import Measurement, Meter, Recorded
@@ -86,7 +86,7 @@ class FarEndMeter(Meter):
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
-        forward = direction_of(problem) > 0
+        forward = problem.direction > 0
         rows = max(1, problem.beads // PART)
         self._rows = slice(problem.beads - rows, problem.beads) if forward else slice(0, rows)
         self._near = slice(max(self._rows.start - 1, 0), self._rows.stop + 1)

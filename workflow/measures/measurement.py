@@ -1,4 +1,19 @@
-"""A measurement of a run beside its waves: taken while frames pass, then written, printed and drawn."""
+"""A measurement of a run beside its waves: taken while frames pass, then written, printed and drawn.
+
+Plug-ins take this module for measures of their own: a class from `Measurement`, declared in the entry points, has its
+values, lines, table and figure; its `Meter` sees the frames of a run, which is `Recorded`.
+
+Examples:
+    >>> @quantity.result
+    ... class Largest:
+    ...     velocity: float = quantity.declare("largest velocity of any bead", "velocity")
+    >>> class LargestVelocity(measurement.Measurement):
+    ...     key, kind = "largest", Largest
+    ...     def lines(self):
+    ...         yield f"largest velocity {self.problem.scale.written(self.values.velocity, 'velocity')}"
+    >>> [*LargestVelocity(granchain.load("two-chains-steel").problem(), Largest(0.5)).lines()]
+    ['largest velocity 0.5 m/s']
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator

@@ -1,4 +1,15 @@
-"""Contacts that yield: largest force and overlap of each, permanent overlap, and the energy dissipated."""
+"""Contacts that yield: largest force and overlap of each, permanent overlap, and the energy dissipated.
+
+Plug-ins take this module to measure contacts that yield: a `YieldMeter` is shown a run and gives what its contacts
+keep at the end, and a table of them.
+
+Examples:
+    >>> problem = granchain.load("plastic-contacts").problem()
+    >>> frames = engine.run(problem)
+    >>> yielded, contacts = watch(plastic.YieldMeter(), frames.blocks()).result()
+    >>> yielded.contacts, contacts.permanent[:3].round(4)  # permanent overlaps in units of L
+    (54, array([0.9495, 0.6259, 0.4491]))
+"""
 
 import math
 from collections.abc import Iterator

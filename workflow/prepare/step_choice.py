@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
+from analysis.compare.difference import Uncertainty
 from lammps_inputs import Problem, physics
-from workflow.engines.reference.uncertainty import Uncertainty
 from workflow.processor_time import BEFORE_RUN
 
 if TYPE_CHECKING:  # what the engine imports takes a third of a second

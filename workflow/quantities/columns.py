@@ -2,6 +2,18 @@
 
 A quantity joins by its declaration (`analysis.quantity`) with a column. That of a column of ``waves.csv`` is a quantity
 at a bead: of the kicked chain's leading wave at the last clear bead, and with ``@100`` behind its name at bead 100.
+
+Plug-ins take this module for names that users give: `refuse_unknown` refuses what is no quantity, `column_called` has
+the label and unit of one, `KNOWN` are those that `evaluate` computes in memory.
+
+Examples:
+    >>> column = columns.column_called("peak_velocity@100")
+    >>> column.label, column.unit(si=True)
+    ('peak velocity at bead 100', 'm/s')
+    >>> columns.refuse_unknown("peak_velocty", "--quantity", "quantity")
+    Traceback (most recent call last):
+        ...
+    lammps_inputs.errors.InputError: --quantity: 'peak_velocty' is no quantity (did you mean `peak_velocity`?)
 """
 
 from dataclasses import replace
@@ -71,6 +83,11 @@ def column_called(name: str) -> CollectColumn | None:
 
 def refuse_unknown(name: str, where: str, kind: str) -> None:
     """See that a quantity is one of `KNOWN`, or one of `AT_BEAD` at a bead.
+
+    Args:
+        name: name of the quantity, as the user wrote it.
+        where: file and key, or option, for the message.
+        kind: what it should be, such as "quantity".
 
     Raises:
         InputError: it is not; says where it was given and what it is not.

@@ -2,6 +2,15 @@
 
 They come from the declarations that ``analysis.json`` is written from. An uncertainty covers the time between frames
 alone, as the error of such a run is not measured.
+
+Plug-ins take this module for numbers by name: `of_scene` runs a scene, `of_frames` measures frames, `case` is a
+computation of a study in a worker process.
+
+Examples:
+    >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
+    >>> numbers = evaluate.of_scene(scene.plain(), ("peak_velocity@10", "speed", "beat_length"), "scene")
+    >>> {name: value if value is None else round(value, 3) for name, value in numbers.items()}
+    {'peak_velocity@10': 0.682, 'speed': 0.841, 'beat_length': None}
 """
 
 import json
@@ -50,6 +59,14 @@ def mass_of(scene: Scene) -> float:
 def scene_to_run(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Scene:
     """A scene with its end, all of whose beads are recorded; one that ends at a bead waits for the objective.
 
+    Args:
+        plain: plain data of the scene.
+        names: names of the quantities that are wanted of its run.
+        source: what to call the scene in messages.
+
+    Returns:
+        The scene.
+
     Raises:
         InputError: it is none, or its end is not reached.
     """
@@ -67,6 +84,14 @@ def scene_to_run(plain: dict[str, Any], names: tuple[str, ...], source: str) -> 
 def of_scene(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Measured:
     """Quantities of a scene, run by the reference.
 
+    Args:
+        plain: plain data of the scene.
+        names: names of the quantities, such as ``peak_velocity@100``.
+        source: what to call the scene in messages.
+
+    Returns:
+        Name -> number in the scene's units; None where it is undefined.
+
     Raises:
         InputError: as `scene_to_run`.
     """
@@ -79,7 +104,17 @@ def of_scene(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Meas
 def of_frames(
     problem: Problem, frames: Callable[[], Iterable[Trajectory]], scene: Scene, names: tuple[str, ...]
 ) -> Measured:
-    """Quantities of a run; ``frames`` reads it again, at little cost, and holds all beads."""
+    """Quantities of a run.
+
+    Args:
+        problem: what was run.
+        frames: starts reading its frames, of all beads; called for each quantity that needs them.
+        scene: scene of the problem.
+        names: names of the quantities, such as ``peak_velocity@100``.
+
+    Returns:
+        Name -> number in the scene's units; None where it is undefined.
+    """
     run = _MeasuredRun(scene, problem, frames)
     values = {name: run.value(name) for name in names}
     return {name: None if value is None else float(value) for name, value in values.items()}
@@ -151,7 +186,22 @@ class _MeasuredRun:
 
 
 def case(plain: dict[str, Any], names: Sequence[str], source: str, masses: Masses = NO_LIMIT) -> Computation:
-    """`evaluated` for the worker pool, under the key of what it computes."""
+    """Computation of quantities of a scene, for a worker process, under the key of what it computes.
+
+    Args:
+        plain: plain data of the scene.
+        names: names of the quantities.
+        source: what to call the scene in messages.
+        masses: least and largest mass of all beads, in the scene's units; beyond them nothing is run.
+
+    Returns:
+        The computation; its value is that of `evaluated`.
+
+    Examples:
+        >>> computation = case(granchain.load("one-chain").plain(), ["speed"], "scene")
+        >>> computation.task.function
+        'workflow.quantities.evaluate:evaluated'
+    """
     limits = {} if masses == NO_LIMIT else {"masses": masses}
     return computation(f"{__name__}:evaluated", {"plain": plain, "names": tuple(names), "source": source, **limits})
 

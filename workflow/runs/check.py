@@ -9,12 +9,11 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from analysis.compare.difference import Deviation, DeviationPlace, errors_of
+from analysis.compare.difference import Deviation, DeviationPlace, Uncertainty, errors_of
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, physics
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import StepHalving
-from workflow.engines.reference.uncertainty import Uncertainty
 from workflow.prepare.pilot import CADENCE, SPACING, stride
 from workflow.prepare.step_choice import ChosenStep, ReferenceFrames
 from workflow.runs.completed_run import Check

@@ -3,10 +3,9 @@
 import math
 from dataclasses import asdict, dataclass
 
-from analysis.compare.difference import DeviationPlace
+from analysis.compare.difference import DeviationPlace, Uncertainty
 from analysis.trajectory import FramesInUnits, Trajectory
 from lammps_inputs import html
-from workflow.engines.reference.uncertainty import Uncertainty
 from workflow.runs.run_directory import RunDirectory
 
 

@@ -8,6 +8,7 @@ import functools
 import importlib.metadata
 import os
 import platform
+import shlex
 import sys
 from datetime import UTC, datetime
 from pathlib import Path
@@ -16,7 +17,8 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import from_json
 
-from lammps_inputs import InputError
+from lammps_inputs import InputError, file_names
+from workflow.engines.lammps.files_on_disk import step_of
 from workflow.engines.registry import EngineName, engine_names, load_engine
 from workflow.runs.files import RECORD, changing, write_json
 
@@ -233,6 +235,21 @@ def restart_refused(job: Job) -> str:
     if job.versions.get("lammps") != importlib.metadata.version("lammps"):
         return "the restart is of another version of LAMMPS"
     return ""
+
+
+def onwards(directory: Path, job: Job) -> str:
+    """How to complete a local run that is incomplete."""
+    return f"`granchain run --resume {shlex.quote(str(directory))}` {goes_on_from(directory, job)}"
+
+
+def goes_on_from(directory: Path, job: Job | None = None) -> str:
+    """The step from which an incomplete run resumes; a local one by its account."""
+    step = step_of(directory / file_names.RESTART)
+    if not step:
+        return "starts again, as there is no restart"
+    if job is not None and job.engine == "lammps" and (why := restart_refused(job)):
+        return f"starts again, for {why}"
+    return f"resumes at step {step}"
 
 
 def provenance() -> dict[str, Any]:

@@ -20,7 +20,6 @@ from workflow.runs import contacts, job
 from workflow.runs.completed_run import Check, CompletedRun
 from workflow.runs.engines import Progress, Start, Work, engine_called
 from workflow.runs.output_directory import prepared, refuse_links, refuse_unusable
-from workflow.runs.resumption import onwards
 from workflow.runs.run_directory import RunDirectory, fingerprint, results
 from workflow.runs.size import refuse_beforehand, refuse_too_long
 
@@ -248,7 +247,7 @@ def carry_out(result: RunDirectory, work: Work, *, check: bool, spent: float = 0
         with contextlib.suppress(RunError):  # a full disk
             result.update(outcome="failed", reason=reason, wall_seconds=time.perf_counter() - started)
         if isinstance(error, OSError | EndedError):
-            reason = f"{reason.rstrip('.')}; {onwards(path, result.job)}"
+            reason = f"{reason.rstrip('.')}; {job.onwards(path, result.job)}"
         raise type(error)(reason) if isinstance(error, RunError) else RunError(reason) from None
     finally:
         if loading is not None:

@@ -26,8 +26,7 @@ from analysis.files.dump_layout import last_step
 from lammps_inputs import InputError, file_names, plugins
 from workflow.engines.lammps.files_on_disk import step_of
 from workflow.runs.files import RECORD, held, parts
-from workflow.runs.job import Job, StudyRecord, load
-from workflow.runs.resumption import goes_on_from, onwards
+from workflow.runs.job import Job, StudyRecord, goes_on_from, load, onwards
 
 # --- a scheduler's queue ----------------------------------------------------------------------------------------------
 

@@ -59,6 +59,13 @@ class Study:
         cache: name of the file that holds the values of cases; empty for none.
         others: names of further files and folders that it makes.
         resume: what to do where the study is not finished, for ``granchain status``.
+
+    Examples:
+        >>> study = Study("scan", result="scan.csv is the table", tables=("scan.csv",), cache="cases.jsonl")
+        >>> with study.opened(tmp / "scanned") as cache:  # values of cases of earlier starts, by key
+        ...     study.write(tmp / "scanned", {"scan.csv": csv_text([{"coupling": 0.1, "amplitude": 0.682}])})
+        >>> sorted(path.name for path in (tmp / "scanned").iterdir())
+        ['cases.jsonl', 'run.json', 'scan.csv']
     """
 
     command: str
@@ -223,6 +230,13 @@ def csv_text(rows: Sequence[Mapping[str, Any]], head: Sequence[str] = ()) -> str
     Args:
         rows: column -> value.
         head: the columns; by default those of the first row.
+
+    Returns:
+        The text, a line for each row.
+
+    Examples:
+        >>> csv_text([{"coupling": 0.1, "beat_length": 58.0}, {"coupling": 0.0, "beat_length": None}]).splitlines()
+        ['coupling,beat_length', '0.1,58.0', '0.0,']
     """
     return quantity.to_csv({name: [_unbounded(row[name]) for row in rows] for name in head or rows[0]})
 

@@ -17,8 +17,17 @@ def kept_run(scene: Scene, engine: str, path: Path) -> RunDirectory:
         engine: name of the engine.
         path: run directory.
 
+    Returns:
+        The run directory.
+
     Raises:
         RunError: the run failed.
+
+    Examples:
+        >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
+        >>> first = kept_run(scene, "reference", tmp / "run")
+        >>> kept_run(scene, "reference", tmp / "run").job.started == first.job.started  # it was not run again
+        True
     """
     finished = _finished(path, scene, engine)
     if finished is not None:

@@ -1,4 +1,20 @@
-"""Options that commands of several studies have, and the end of such a command where it is interrupted."""
+"""Options that commands of several studies have, and the end of such a command where it is interrupted.
+
+Plug-ins take this module for their commands: `add_output` and `add_jobs` add options, `within` and `listed` are types
+of numbers, `split`, `both_ends` and `second_field` read words, `interrupted` is the result after Ctrl-C.
+
+Examples:
+    >>> import argparse
+    >>> parser = argparse.ArgumentParser()
+    >>> options.add_output(parser)
+    >>> _ = parser.add_argument("--rows", type=options.within(int, 1, 100), default=10)
+    >>> parser.parse_args(["-o", "out", "--rows", "20"]).rows
+    20
+    >>> options.split("beat_length = 20", "--where", "beat_length=20")
+    ('beat_length', '20')
+    >>> options.second_field("chains=2,3,4").values
+    (2, 3, 4)
+"""
 
 import argparse
 import contextlib
@@ -32,7 +48,16 @@ def add_jobs(parser: argparse.ArgumentParser, words: str = "scenes at a time (de
 
 
 def within(kind: type[int] | type[float], low: float, high: float) -> Callable[[str], float]:
-    """The type of an option whose numbers have bounds."""
+    """The type of an option whose numbers have bounds.
+
+    Args:
+        kind: int or float.
+        low: the least number.
+        high: the largest number.
+
+    Returns:
+        A function from text to the number, which raises ``argparse.ArgumentTypeError`` for others.
+    """
 
     def read(text: str) -> float:
         with contextlib.suppress(ValueError):
@@ -44,7 +69,14 @@ def within(kind: type[int] | type[float], low: float, high: float) -> Callable[[
 
 
 def listed(kind: type[int] | type[float]) -> Callable[[str], tuple[float, ...]]:
-    """The type of an option that takes numbers with commas between."""
+    """The type of an option that takes numbers with commas between.
+
+    Args:
+        kind: int or float.
+
+    Returns:
+        A function from text to the numbers, which raises ``argparse.ArgumentTypeError`` for other text.
+    """
 
     def read(text: str) -> tuple[float, ...]:
         try:
@@ -65,6 +97,14 @@ def interrupted() -> CommandResult:
 def split(text: str, option: str, example: str) -> tuple[str, str]:
     """Both sides of ``NAME=VALUE``.
 
+    Args:
+        text: what the user wrote.
+        option: name of the option, for the message.
+        example: valid text, for the message.
+
+    Returns:
+        Name and value, without blanks around them.
+
     Raises:
         InputError: there are none.
     """
@@ -76,6 +116,14 @@ def split(text: str, option: str, example: str) -> tuple[str, str]:
 
 def number(text: str, option: str, example: str) -> float:
     """A number of ordinary size.
+
+    Args:
+        text: what the user wrote.
+        option: name of the option, for the message.
+        example: valid text, for the message.
+
+    Returns:
+        The number, smaller than 1e300.
 
     Raises:
         InputError: it is none.
@@ -91,6 +139,14 @@ def number(text: str, option: str, example: str) -> float:
 
 def both_ends(text: str, option: str, example: str) -> tuple[float, float]:
     """Both numbers of ``LOW:HIGH``.
+
+    Args:
+        text: what the user wrote.
+        option: name of the option, for the message.
+        example: valid text, for the message.
+
+    Returns:
+        Both numbers; the first may be the larger one.
 
     Raises:
         InputError: a side is no number.

@@ -1,4 +1,14 @@
-"""A self-contained HTML page of tables and figures."""
+"""A self-contained HTML page of tables and figures.
+
+Plug-ins take this module for reports of studies: `drawn` makes a figure a `PageFigure`, `shown` and `table` are parts
+of a body, `document` is the page.
+
+Examples:
+    >>> body = page.table(["kappa", "amplitude"], [["0.1", "0.341"]])
+    >>> _ = (tmp / "report.html").write_text(page.document("Scan", "Amplitudes.", body, cited=["nesterenko1983"]))
+    >>> body.partition("<tr>")[2]
+    '<th>kappa</th><th>amplitude</th></tr><tr><td>0.1</td><td>0.341</td></tr></table></div>'
+"""
 
 import base64
 import html
@@ -22,7 +32,16 @@ class PageFigure:
 
 
 def drawn(name: str, figure: Figure, caption: str) -> PageFigure:
-    """A figure as PNG for a page."""
+    """A figure as PNG for a page.
+
+    Args:
+        name: name of its file, without suffix.
+        figure: figure of matplotlib.
+        caption: text below it.
+
+    Returns:
+        The figure for `shown`.
+    """
     return PageFigure(name, content_of(figure, "png", dpi=150), caption)
 
 
@@ -33,6 +52,9 @@ def document(title: str, summary: str, body: str, cited: Iterable[str]) -> str:
         title, summary: head of the page.
         body: HTML.
         cited: keys of the bibliography, for its last section (`workflow.provenance.foot`).
+
+    Returns:
+        The page, in HTML.
     """
     return (
         Path(__file__)
@@ -45,7 +67,15 @@ def document(title: str, summary: str, body: str, cited: Iterable[str]) -> str:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table of text in HTML."""
+    """A table of text.
+
+    Args:
+        head: headings of the columns.
+        rows: cells of each row.
+
+    Returns:
+        The table, in HTML.
+    """
     lines = [("th", head), *(("td", row) for row in rows)]
     cells = ("".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in line) for tag, line in lines)
     return f'<div class="wide"><table>{"".join(f"<tr>{line}</tr>" for line in cells)}</table></div>'

@@ -1,4 +1,15 @@
-"""The table of a sweep: its columns, with names, units and numbers; gathered from its cases, and drawn over fields."""
+"""The table of a sweep: its columns, with names, units and numbers; gathered from its cases, and drawn over fields.
+
+Plug-ins take this module for tables of sweeps: `collect` gathers the cases below a directory into a `SweepTable`.
+
+Examples:
+    >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
+    >>> done = granchain.run(scene, tmp / "runs" / "first", engine="reference")
+    >>> waves = granchain.analyze(done).waves
+    >>> table = collect.collect(tmp / "runs", ["peak_velocity@10"])
+    >>> table.numbers("peak_velocity@10").round(3)  # [case]
+    array([0.682])
+"""
 
 import contextlib
 import csv
@@ -68,6 +79,11 @@ class SweepTable:
         labels: words, symbol and unit of the fields.
         bands: case -> lowest and highest frequencies at which small waves pass, [[low, high], ...]; where known.
         at_beads: columns of the leading wave at chosen beads, such as ``peak_velocity@100``.
+
+    Examples:
+        >>> table = granchain.collect("swept")
+        >>> [(row["kick.velocity"], row["outcome"]) for row in table.rows]
+        [(1.0, 'done'), (2.0, 'done')]
     """
 
     fields: list[str]

@@ -1,5 +1,20 @@
 """Fields of a scene by dotted path: ``coupling.stiffness``, ``kick.velocity``, ``kick[2].bead``,
 ``kinds.light.mass``.
+
+Plug-ins take this module for fields that users name: `parse` reads a path, or says which field may have been meant,
+`look_up` and `put_all` read and set values in plain data of a scene, `unit`, `label` and `bounds` describe a field.
+
+Examples:
+    >>> scene = granchain.load("two-chains").plain()
+    >>> path = fields.parse("coupling.stiffness", scene)
+    >>> fields.look_up(scene, path), fields.label(path, scene).plain
+    (0.1, 'coupling stiffness k (reduced)')
+    >>> fields.put_all(scene, {"coupling.stiffness": 0.2})["coupling"]
+    {'model': 'linear', 'stiffness': 0.2}
+    >>> fields.parse("coupling.stifness", scene)
+    Traceback (most recent call last):
+        ...
+    lammps_inputs.errors.InputError: a scene has no field 'coupling.stifness' (did you mean `coupling.stiffness`?)
 """
 
 import difflib
@@ -36,6 +51,9 @@ def parse(text: str, scene: Mapping[str, Any] = MappingProxyType({})) -> Path:
     Args:
         text: as the user wrote it.
         scene: plain data of the scene that it is meant for, whose fields are suggested first.
+
+    Returns:
+        The keys.
 
     Raises:
         InputError: no scene has such a field; names what it may have been meant for.
@@ -115,6 +133,14 @@ def all_fields(model: type[BaseModel], above: str = "") -> tuple[str, ...]:
 def put(scene: dict[str, Any], path: Path, value: Any) -> dict[str, Any]:
     """A copy of a scene's plain data with a field set; parts on the way are made where they are missing.
 
+    Args:
+        scene: plain data of the scene, which stays as it is.
+        path: the field.
+        value: its value.
+
+    Returns:
+        The copy.
+
     Raises:
         InputError: the path names one of several kicks or replacements without its number, or one that there is not.
     """
@@ -135,10 +161,17 @@ def put(scene: dict[str, Any], path: Path, value: Any) -> dict[str, Any]:
 
 
 def put_all(scene: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-    """A copy of a scene's plain data with fields, by dotted path, set to values.
+    """A copy of a scene's plain data with fields set to values.
+
+    Args:
+        scene: plain data of the scene, which stays as it is.
+        values: dotted path of a field -> its value.
+
+    Returns:
+        The copy, which need not be a valid scene.
 
     Raises:
-        InputError: as `put`.
+        InputError: no scene has such a field, or as `put`.
     """
     for field, value in values.items():
         scene = put(scene, parse(field, scene), value)
@@ -158,7 +191,15 @@ def _mapping(value: Any, key: str) -> dict[str, Any]:
 
 
 def look_up(scene: dict[str, Any], path: Path) -> Any:
-    """The value of a field in a scene's plain data; None where it is not named."""
+    """Value of a field in a scene.
+
+    Args:
+        scene: plain data of the scene.
+        path: the field.
+
+    Returns:
+        The value; None where the scene does not name it.
+    """
     value: Any = scene
     for key, number in path:
         if not isinstance(value, dict):
@@ -172,7 +213,15 @@ def look_up(scene: dict[str, Any], path: Path) -> Any:
 
 
 def held(scene: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, float]]:
-    """Dotted path and value of all fields that hold one number in a scene's plain data."""
+    """All fields that hold one number in a scene.
+
+    Args:
+        scene: plain data of the scene.
+        above: dotted path of the part that the data are of, with a dot behind it.
+
+    Yields:
+        Dotted path and value of each.
+    """
     for key, value in scene.items():
         if isinstance(value, dict):
             yield from held(value, f"{above}{key}.")
@@ -208,7 +257,15 @@ def bounds(path: Path) -> tuple[float, float]:
 
 
 def unit(path: Path, scene: dict[str, Any]) -> str:
-    """Symbol of a field's unit in a scene, such as ``m/s`` or ``reduced``; empty for what has none."""
+    """Symbol of a field's unit in a scene, such as ``m/s`` or ``reduced``.
+
+    Args:
+        path: the field.
+        scene: plain data of the scene.
+
+    Returns:
+        The symbol; empty for what has no unit.
+    """
     declared = next((part for part in _parts(_field(path)) if isinstance(part, Unit)), None)
     beside = look_up(scene, path[:-1]) if len(path) > 1 else {}
     keys = {**scene, **(beside if isinstance(beside, dict) else {})}
@@ -220,6 +277,13 @@ def label(path: Path, scene: dict[str, Any]) -> Label:
 
     Of a key of a part that is labelled itself, such as the ends of a ramp, both are named; so are the number of an
     entry and the name of a kind.
+
+    Args:
+        path: the field.
+        scene: plain data of the scene.
+
+    Returns:
+        The label.
     """
     keys = [key.replace("_", " ") for key, _ in path]
     names = [f"{key} {number}" for key, number in path if number is not None]

@@ -1,4 +1,18 @@
-"""Parts of a file of a user's that holds a scene, such as a sweep or a design: numbers, keys, and the scene itself."""
+"""Parts of a file of a user's that holds a scene, such as a sweep or a design: numbers, keys, and the scene itself.
+
+Plug-ins take this module to read such files: a class from `FilePart` names keys and types, `validated` reads one or
+refuses it in a line that names the key, `scene_in` reads the scene, `scene_of_file` is its JSON schema.
+
+Examples:
+    >>> class Search(file_parts.FilePart):
+    ...     tolerance: float
+    >>> file_parts.validated(Search, {"tolerance": 0.01}, "search.yaml: ").tolerance
+    0.01
+    >>> file_parts.validated(Search, {"tolerence": 0.01}, "search.yaml: ")
+    Traceback (most recent call last):
+        ...
+    lammps_inputs.errors.InputError: search.yaml: tolerence: unknown key (did you mean `tolerance`?)
+"""
 
 from pathlib import Path
 from typing import Any, TypeVar

@@ -15,6 +15,18 @@ def table_of(runs: Sequence[RunDirectory]) -> SweepTable:
     """Table of the quantities of some runs in the units of the first; those that were not analysed are analysed first.
 
     A run that cannot be analysed has only what it recorded.
+
+    Args:
+        runs: run directories, one at least.
+
+    Returns:
+        The table, [run], with the name of each directory as its case.
+
+    Examples:
+        >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
+        >>> table = table_of([granchain.run(scene, tmp / "run", engine="reference").directory])
+        >>> table.numbers("peak_velocity").round(3)
+        array([0.682])
     """
     rows = []
     for run in runs:

@@ -29,6 +29,11 @@ class Group:
         fields: field -> its value in these cases.
         statistics: statistics of the quantity, in the scenes' units.
         histogram: histogram of the quantity.
+
+    Examples:
+        >>> [group] = granchain.statistics(granchain.collect("swept"), "peak_velocity")
+        >>> round(group.statistics.mean, 3), group.histogram.count
+        (1.022, array([1, 0, 1]))
     """
 
     quantity: str

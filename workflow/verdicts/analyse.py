@@ -1,4 +1,17 @@
-"""Analyse a run directory: ``waves.csv``, ``analysis.json`` and the figures beside the frames, which are read twice."""
+"""Analyse a run directory: ``waves.csv``, ``analysis.json`` and the figures beside the frames, which are read twice.
+
+Plug-ins take this module for the analysis of a run: `measure` writes nothing, `analyse` writes it beside the frames,
+`default_beads` are those whose velocity is drawn, `figures_in` the figures that were drawn.
+
+Examples:
+    >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
+    >>> done = granchain.run(scene, tmp / "run", engine="reference")
+    >>> measured = analyse.measure(done.directory, figures=False)
+    >>> measured.survey.waves.at(15).peak_velocity.round(3), sorted(measured.tables)  # in units of V
+    (array([0.682]), ['waves.csv'])
+    >>> analyse.default_beads(done.directory.problem)
+    (4, 11, 18)
+"""
 
 import math
 import warnings
@@ -19,7 +32,7 @@ from analysis.sharing.run_error import UNMEASURED, MeasuredError, with_run_error
 from analysis.sharing.survey import Survey, survey
 from analysis.tracking.leading_waves import Arrival
 from analysis.tracking.undisturbed import CLEAR
-from analysis.trajectory import Trajectory, along_the_way, direction_of
+from analysis.trajectory import Trajectory, along_the_way
 from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.output import too_far_apart
@@ -69,6 +82,13 @@ class Analysis:
         derivatives: of quantities by fields of the scene, where they were asked for; records with ``quantity``,
             ``field``, ``value``, ``derivative``, ``uncertainty``, ``unit`` and ``relative``.
         error: measured error of the run, which the uncertainties cover.
+
+    Examples:
+        >>> analysis = granchain.analyze("out")
+        >>> analysis.complete, analysis.tables
+        (True, ('waves.csv',))
+        >>> analysis.survey.pulses[0].direction, analysis.conservation.energy_drift < 1e-4
+        (1, True)
     """
 
     problem: Problem
@@ -231,7 +251,7 @@ def measure(
         tolerances=allowed,
         arrival=arrival,
         counted=exchange.of,
-        impulses=engine.impulses(directory.path, problem, direction_of(problem)),
+        impulses=engine.impulses(directory.path, problem, problem.direction),
     )
     results = _without_errors_by_rounding(with_run_error(of_frames_alone, run.error), engine.rounded_from(run.job))
     of_all_beads = conservation
@@ -388,11 +408,18 @@ def _sane(directory: RunDirectory, blocks: Iterator[Trajectory]) -> Iterator[Tra
 
 
 def default_beads(problem: Problem) -> tuple[int, ...]:
-    """Three recorded beads: near a sixth, a half and nine tenths of the way, or near the kick where no pulse runs."""
+    """Three recorded beads: near a sixth, a half and nine tenths of the way, or near the kick where no pulse runs.
+
+    Args:
+        problem: what was run.
+
+    Returns:
+        Numbers of the beads, ascending.
+    """
     recorded = problem.recorded_beads
     if not problem.system.holds(Fact.PULSE):
         kicked_bead = physics.largest_excitation(problem.system)[1]
-        direction = direction_of(problem)
+        direction = problem.direction
         return tuple(
             sorted({int(recorded[np.argmin(np.abs(recorded - kicked_bead - direction * far))]) for far in (0, 2, 5)})
         )

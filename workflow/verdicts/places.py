@@ -1,4 +1,13 @@
-"""Every quantity that a run directory or a table of a sweep holds, and where, as its type declares it."""
+"""Every quantity that a run directory or a table of a sweep holds, and where, as its type declares it.
+
+Plug-ins take this module for help on quantities: `places` goes through all of them, each with its file, its key or
+column, and its meaning.
+
+Examples:
+    >>> [place] = [place for place in places.places() if place.where == "waves.csv: column arrival"]
+    >>> place.quantity.symbol, place.quantity.unit, place.quantity.meaning
+    ('t', 'time', 'time at which the pulse passes the bead: that of the largest velocity, or the centre of the impulse')
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

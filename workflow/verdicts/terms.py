@@ -1,6 +1,12 @@
 """Terms of verdicts with their criteria, and numbers of the pulse in a kicked chain, from the constants behind them.
 
 The manual's page of quantities holds both; `granchain help TERM` prints a term.
+
+Plug-ins take this module for help on verdicts: `explained` has the criterion of a term, `manual` the page's section.
+
+Examples:
+    >>> terms.explained("decaying")
+    'contacts or beads dissipate energy, and the amplitude is smaller than 10 beads before'
 """
 
 from typing import NamedTuple

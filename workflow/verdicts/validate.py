@@ -1,4 +1,15 @@
-"""Compare a run with an accurate reference, quantity by quantity."""
+"""Compare a run with an accurate reference, quantity by quantity.
+
+Plug-ins take this module for comparisons: a `Validation` is the result of one, `TOLERANCES` are the largest errors let
+pass.
+
+Examples:
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
+    >>> frames = engine.run(problem)
+    >>> errors = difference.errors_of(frames.blocks(), frames.blocks())
+    >>> validate.Validation(problem, "itself", errors, validate.TOLERANCES, frames.frames, frames.frames)
+    <validation of one-chain against itself: passed>
+"""
 
 import math
 from collections.abc import Iterable
@@ -7,13 +18,12 @@ from pathlib import Path
 from typing import Any
 
 from analysis.compare.common_times import OtherFramesError, paired
-from analysis.compare.difference import Deviation, Difference
+from analysis.compare.difference import Deviation, Difference, Uncertainty
 from analysis.sharing.chain_differences import ChainDifference
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
 from workflow.engines.reference.step_halving import StepHalving
-from workflow.engines.reference.uncertainty import Uncertainty
 from workflow.formats import figure_files
 from workflow.runs.exchange import accountant
 from workflow.runs.figures import write_figure
@@ -87,6 +97,11 @@ class Validation:
         interpolation: bounds on the errors of (displacement, velocity) that interpolating between frames added; None if
             that was not needed.
         runs: how the run differs from another one; None where it was not compared with one.
+
+    Examples:
+        >>> comparison = granchain.validate("out")
+        >>> comparison.deviations["velocity"].largest < comparison.tolerances["velocity"], comparison.causes
+        (True, ())
     """
 
     problem: Problem

@@ -1,4 +1,12 @@
-"""Compare two runs of one scene: bitwise, and quantity by quantity, with what they were computed with."""
+"""Compare two runs of one scene: bitwise, and quantity by quantity, with what they were computed with.
+
+Plug-ins take this module to compare two runs: `compare_runs` gives the `Validation`, `compared_pairs` the frames that
+were compared, `scene_changes` the fields in which two scenes differ.
+
+Examples:
+    >>> validate_run.scene_changes(granchain.load("two-chains"), granchain.load("two-chains-strong"))
+    {'coupling.stiffness': ('0.1', '0.5')}
+"""
 
 import math
 import warnings
@@ -172,7 +180,15 @@ def refuse_another_scene(scene: Scene, source: str, other: RunDirectory) -> None
 
 
 def scene_changes(scene: Scene, other: Scene) -> dict[str, tuple[str, str]]:
-    """Fields that differ between two scenes, but for the keys of `NOT_PHYSICS`: dotted path -> (value, other value)."""
+    """Fields that differ between two scenes, but for the keys of `NOT_PHYSICS`.
+
+    Args:
+        scene: the scene.
+        other: the scene that it is compared with.
+
+    Returns:
+        Dotted path -> (value, other value), in words.
+    """
     fields, other_fields = (dict(_fields(each.plain())) for each in (scene, other))
     values = {
         name: (fields.get(name, "not given"), other_fields.get(name, "not given"))
@@ -369,6 +385,9 @@ def compared_pairs(runs: tuple[RunDirectory, ...], comparison: Validation) -> It
     Args:
         runs: the run, and the other one where it was not compared with the reference.
         comparison: their comparison.
+
+    Returns:
+        Pairs of frames at the same times.
     """
     directory, *others = runs
     for other in others:

@@ -1,4 +1,17 @@
-"""Tables of a validation, as `granchain validate` prints them and pages of comparisons show them."""
+"""Tables of a validation, as `granchain validate` prints them and pages of comparisons show them.
+
+Plug-ins take this module for pages that compare runs: `deviation_table`, `chain_table` and `change_table` are tables,
+`uncertainty_lines` and `bitwise_line` sentences.
+
+Examples:
+    >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
+    >>> done = granchain.run(scene, tmp / "run", engine="reference")
+    >>> comparison, _ = validate_run.compare_runs((done.directory, done.directory))
+    >>> validation_tables.deviation_table(comparison).rows[0]
+    ['velocity', '0.00e+00', '0.0e+00', '5.0e-04', 'ok', '']
+    >>> validation_tables.bitwise_line(comparison).partition(" as ")[0]
+    'the run is bitwise the same'
+"""
 
 from collections.abc import Mapping
 

@@ -2,6 +2,16 @@
 
 A case is a function's name and its arguments as plain data (`Task`), under the key that its value is kept by. A study
 that plans its cases in advance calls `evaluate` or `values` once; a search calls it for each generation, with one pool.
+
+Plug-ins take this module for the cases of studies: `case` makes a `Computation` of a function and its arguments,
+`key_of` a key of plain data; `Study.evaluating` computes them, or `evaluate` without a directory.
+
+Examples:
+    >>> cases = [computations.case("statistics:fmean", {"data": data}) for data in ([1.0, 2.0], [3.0, 5.0])]
+    >>> computations.values(cases)  # each in a worker process
+    [1.5, 4.0]
+    >>> cases[0].key == computations.key_of({"data": [1.0, 2.0]})
+    True
 """
 
 import contextlib
@@ -20,7 +30,14 @@ from workflow.workers.pool import Pool, Task, TaskResult
 
 
 def key_of(request: Any) -> str:
-    """Key of a request that is plain data: equal requests have equal keys."""
+    """Key of a request: equal requests have equal keys.
+
+    Args:
+        request: plain data.
+
+    Returns:
+        The key, of 20 hexadecimal digits.
+    """
     return hashlib.sha256(json.dumps(request, sort_keys=True).encode()).hexdigest()[:20]
 
 
@@ -109,7 +126,18 @@ class Computation(NamedTuple):
 def case(
     function: str, arguments: dict[str, Any], *, key: str = "", cost: float = 0.0, alone: bool = False
 ) -> Computation:
-    """A case of a function, ``module:name``, at arguments, from which its key follows unless another one is given."""
+    """Computation of a function at arguments.
+
+    Args:
+        function: ``module:name`` of the function, which a worker process imports.
+        arguments: plain data that it is called with, by name.
+        key: key of the value in a cache; by default it follows from the arguments.
+        cost: work, in proportion to that of the other cases.
+        alone: whether it uses all cores itself.
+
+    Returns:
+        The computation.
+    """
     return Computation(key or key_of(arguments), Task(function, arguments), cost, alone)
 
 
@@ -131,6 +159,9 @@ def evaluate(
         progress: called before the first case and after each.
         tell: called after each case that was computed; an exception that it raises ends the evaluation.
         failed: which answers progress counts as failed; by default those without a value.
+
+    Returns:
+        Key -> answer, whose ``failed`` says why there is no value.
     """
     wanted = {computation.key: computation for computation in cases}
     stored = StoredResults(None) if cache is None else cache

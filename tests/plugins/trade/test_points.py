@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from small_problems import REDUCED, problem
 
+from analysis.compare.difference import Uncertainty
 from lammps_inputs import Scene
 from lammps_inputs.units import Scale
-from workflow.engines.reference.uncertainty import Uncertainty
 from workflow.errors import RunError
 from workflow.plugins.trade import settings
 from workflow.plugins.trade.points import (

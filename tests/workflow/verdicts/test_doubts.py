@@ -7,10 +7,10 @@ import pytest
 from small_problems import written_down
 from wrong_runs import causes
 
+from analysis.compare.difference import Uncertainty
 from analysis.compare.identify import TimeShift, identify
 from lammps_inputs import library, physics
 from workflow.engines.reference import engine
-from workflow.engines.reference.uncertainty import Uncertainty
 from workflow.verdicts import diagnose, validate
 
 PLAIN = {"name": "test", "chains": 2, "beads": 8, "kick": {"velocity": 1.0}, "duration": 12.0, "output": {"every": 0.1}}

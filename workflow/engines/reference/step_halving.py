@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from analysis.compare.common_times import on_common_rows, velocity_error
-from analysis.compare.difference import matched
+from analysis.compare.difference import Uncertainty, matched
 from analysis.conservation import Conservation
 from analysis.tracking.leading_waves import leading_finder, leading_passages
 from analysis.tracking.peaks import sharp
@@ -15,7 +15,6 @@ from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
 from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
-from workflow.engines.reference.uncertainty import Uncertainty
 from workflow.errors import RunError
 
 MOST_HALVINGS = 12

@@ -189,10 +189,10 @@ class Readings:
 
     @property
     def dynamic(self) -> Floats:
-        """[chain, gauge] largest force above the static one; NaN where it never exceeds it."""
+        """[chain, gauge] largest force above the static one, in units of m V / T; NaN where it never exceeds it."""
         return np.where(np.isfinite(self.at), self.largest - self.static, np.nan)
 
     @property
     def last(self) -> Floats:
-        """[chain, gauge] force above the static one in the last frame over ``dynamic``; NaN where that is undefined."""
+        """[chain, gauge] force above the static one in the last frame over ``dynamic``, dimensionless; else NaN."""
         return np.asarray((self.force[-1] - self.static) / self.dynamic)

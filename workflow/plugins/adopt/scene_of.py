@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from granchain.parts import dashpot, too_far_apart, units, walls
+from granchain.parts import dashpot, output, units, walls
 from workflow.plugins.adopt.chains import Inner, Measured, NotMeasuredError
 
 Floats = NDArray[np.float64]
@@ -152,7 +152,7 @@ class SceneKeys:
 
     def _near_enough(self, every: int, step: float) -> int:
         """Steps between frames: those of the deck, or a divisor of them where waves would be lost in between."""
-        reason = too_far_apart(every * step / self.scale.time, self.scale)
+        reason = output.too_far_apart(every * step / self.scale.time, self.scale)
         if not reason:
             return every
         largest = max(1, math.floor(FRAMES * self.scale.time / step))

@@ -6,7 +6,7 @@ import math
 import numpy as np
 from matplotlib.figure import Figure
 
-from granchain.parts import Floats, RunDirectory, axes, direction_of, gauge, page, references, spacetime, units, watch
+from granchain.parts import Floats, RunDirectory, axes, gauge, page, references, spacetime, units, watch
 from workflow.plugins.design.figures import Objective, front_figure, history_figure, members_figure, wall_figure
 from workflow.plugins.design.result import SET_AGAINST, DesignResult
 from workflow.plugins.design.search import RULED_OUT, worth
@@ -102,7 +102,7 @@ def _of_best(result: DesignResult) -> list[page.PageFigure]:
 
 def _wall(directory: RunDirectory) -> tuple[Floats, Floats] | None:
     problem = directory.problem
-    name = "right wall" if direction_of(problem) > 0 else "left wall"
+    name = "right wall" if problem.direction > 0 else "left wall"
     wall = tuple(each for each in gauge.gauges(problem.system, wall=True) if each.name == name)
     if not wall:
         return None

@@ -24,13 +24,12 @@ from typing import Any
 
 from granchain import InputError
 from granchain.parts import (
-    AnyDefinition,
-    Processes,
     Study,
     checked,
     csv_text,
     evaluate,
     fields,
+    inputs,
     kept_run,
     library,
     options,
@@ -52,10 +51,10 @@ STUDY = Study("design", f"{PAGE} is the report", tables=(REPORT, TABLE, BEST, PA
 
 @checked
 def design(
-    definition: AnyDefinition,
+    definition: inputs.AnyDefinition,
     directory: Path | str,
     *,
-    jobs: Processes | None = None,
+    jobs: inputs.Processes | None = None,
     gradient: bool = False,
 ) -> DesignResult:
     """Find the scene that minimises or maximises a quantity within bounds, on all cores; resumes an interrupted call.

@@ -3,17 +3,7 @@
 from dataclasses import dataclass
 
 from granchain import InputError, Scene
-from granchain.parts import (
-    Problem,
-    StepHalving,
-    Survey,
-    engine_called,
-    leading_waves,
-    numbers,
-    settle,
-    style,
-    too_far_apart,
-)
+from granchain.parts import Problem, StepHalving, Survey, engines, leading_waves, numbers, output, settle, style
 from workflow.plugins.pages.downsample import Thinned, thinned
 
 MOST_SECONDS = 2.0
@@ -53,7 +43,7 @@ def computed(scene: Scene) -> ComputedScene:
         InputError: the reference cannot compute it, it takes too long, or its frames are too far apart.
         RunError: its velocities grow beyond all bounds.
     """
-    if refusal := engine_called("reference").refusal(scene):
+    if refusal := engines.engine_called("reference").refusal(scene):
         raise InputError(refusal)
     scene = scene.model_copy(update={"accuracy": None})
     if scene.until_bead is not None:
@@ -61,7 +51,7 @@ def computed(scene: Scene) -> ComputedScene:
         _refuse_slow(scene.model_copy(update={"until_bead": None, "duration": duration}).problem())
     settled, _ = settle(scene, source=scene.name, own_step=False)
     problem = settled.resolved().problem()
-    if why := too_far_apart(problem.every, problem.scale):
+    if why := output.too_far_apart(problem.every, problem.scale):
         raise InputError(f"output.every: {why}")
     _refuse_slow(problem)
     halving = StepHalving(problem, velocity_only=True)
@@ -74,7 +64,7 @@ def computed(scene: Scene) -> ComputedScene:
 def estimated_seconds(problem: Problem) -> float:
     """Estimated time of `computed`, by the model of the reference's cost and the numbers of its frames, in s."""
     recorded = problem.frames * problem.chains * problem.rows_a_frame
-    return HALVED * (engine_called("reference").seconds(problem, 1) or 0.0) + SECONDS_A_NUMBER * recorded
+    return HALVED * (engines.engine_called("reference").seconds(problem, 1) or 0.0) + SECONDS_A_NUMBER * recorded
 
 
 def _refuse_slow(problem: Problem) -> None:

@@ -5,7 +5,7 @@ import threading
 from html import escape
 
 from granchain import load
-from granchain.parts import AnyScene, checked, source_of
+from granchain.parts import checked, inputs
 from workflow.plugins.pages import need_bokeh
 
 HEIGHT = 1100
@@ -19,10 +19,10 @@ class ExplorerPage:
         scene: what the page is about; see `granchain.load`.
     """
 
-    def __init__(self, scene: AnyScene) -> None:
+    def __init__(self, scene: inputs.AnyScene) -> None:
         from workflow.plugins.explore.server import LocalServer  # bokeh takes half a second to import
 
-        self._server = LocalServer(load(scene), source_of(scene))
+        self._server = LocalServer(load(scene), inputs.source_of(scene))
         self._started = threading.Event()
         self._thread = threading.Thread(target=lambda: asyncio.run(self._serve()), daemon=True)
         self._thread.start()
@@ -53,7 +53,7 @@ class ExplorerPage:
 
 
 @checked
-def explore(scene: AnyScene) -> ExplorerPage:
+def explore(scene: inputs.AnyScene) -> ExplorerPage:
     """Serve a page on which the numbers of a scene are changed and the reference integrator computes it anew.
 
     Args:

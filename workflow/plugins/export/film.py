@@ -18,7 +18,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from granchain import InputError
-from granchain.parts import Floats, Integers, Problem, Trajectory, direction_of, radii, screen, spacetime, style, watch
+from granchain.parts import Floats, Integers, Problem, Trajectory, radii, screen, spacetime, style, watch
 from workflow.plugins.export.atoms import springs
 from workflow.plugins.export.registry import FORMATS
 from workflow.plugins.export.request import ExportRequest, Writers
@@ -253,7 +253,7 @@ class _Stage:
         """First place that is drawn and the one after the last: a quarter of them is ahead of the front."""
         count, sight = len(self._beads), min(BEADS_IN_SIGHT, len(self._beads))
         fast = np.flatnonzero(self._scale.moves(frame.velocity[0]))
-        forwards = direction_of(self._problem) > 0
+        forwards = self._problem.direction > 0
         if len(fast):  # counted along the way of the pulse
             self._front = max(self._front, int(fast[-1]) if forwards else count - 1 - int(fast[0]))
         first = min(max(0, self._front + 1 - 3 * sight // 4), count - sight)

@@ -1,15 +1,11 @@
-"""A request for files: what is exported, and the options; what several formats need is computed once."""
+"""A request for files: what is exported, the options, and the frames to write."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from granchain.parts import RunDirectory, Trajectory, analyse, collect, screen
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from granchain.parts import RunDirectory, Trajectory, screen
 
 Writers = dict[str, Callable[[Path], object]]
 """Name of each file, and what writes it to a path."""
@@ -56,27 +52,6 @@ class ExportRequest:
     def directory(self) -> RunDirectory:
         """The directory of the run."""
         return RunDirectory(self.path)
-
-    @cached_property
-    def _measured(self) -> "tuple[dict[str, str], dict[str, Callable[[], Figure]]]":
-        """Text of each table by the name of its file, and a function that draws each figure by its name."""
-        frames = analyse.measure(self.directory)
-        return frames.tables, frames.figures
-
-    @property
-    def tables(self) -> dict[str, str]:
-        """Name -> text of each table of the run as CSV."""
-        return self._measured[0]
-
-    @cached_property
-    def figures(self) -> "dict[str, Figure]":
-        """Name -> figure of the run."""
-        return {name: draw() for name, draw in self._measured[1].items()}
-
-    @cached_property
-    def sweep(self) -> collect.SweepTable:
-        """Table of the sweep."""
-        return collect.collect(self.path)
 
     def pieces(self, name: str, bytes_of_bead: float) -> Iterator[Trajectory]:
         """The frames to write, in pieces of bounded size, under a bar of progress.

@@ -4,32 +4,24 @@ import io
 from pathlib import Path
 
 from granchain.parts import quantity
-from workflow.plugins.export.request import ExportRequest, Writers
+from workflow.plugins.export.request import Writers
+from workflow.plugins.export.results import Results
 
 CAPTIONS = "figures.csv"
 """Name of the table of what each file of a figure shows."""
 
-SWEEP = "table.csv"
-"""Name of the table of a sweep, as ``granchain collect`` gives it."""
 
-
-def _texts(request: ExportRequest) -> dict[str, str]:
-    """Name -> text of each table as CSV."""
-    return request.tables if request.is_run else {SWEEP: request.sweep.to_csv()}
-
-
-def csv(request: ExportRequest) -> Writers:
+def csv(results: Results) -> Writers:
     """Every table and, of a run, the numbers behind every figure, a file for each panel."""
-    files = _of_texts(_texts(request))
-    return {**files, **numbers(request)} if request.is_run else files
+    return {**_of_texts(results.tables), **numbers(results)}
 
 
-def numbers(request: ExportRequest) -> Writers:
+def numbers(results: Results) -> Writers:
     """Numbers behind every figure of a run, a file of CSV for each panel, and a table of their captions."""
     from workflow.plugins.export.figure_numbers import captions, panels  # matplotlib takes half a second to import
 
     texts, rows = {}, []
-    for name, figure in request.figures.items():
+    for name, figure in results.figures.items():
         for place, (columns, caption) in enumerate(zip(panels(figure), captions(figure), strict=True), 1):
             file = f"figure-{name}-{place}.csv"
             texts[file] = quantity.to_csv(columns)
@@ -48,11 +40,11 @@ def _of_texts(texts: dict[str, str]) -> Writers:
     }
 
 
-def parquet(request: ExportRequest) -> Writers:
+def parquet(results: Results) -> Writers:
     """Every table; an undefined number is null, and a column without any number one of float64."""
     return {
         f"{Path(name).stem}.parquet": lambda path, text=text: _write_parquet(text, path)  # type: ignore[misc]
-        for name, text in _texts(request).items()
+        for name, text in results.tables.items()
     }
 
 

@@ -5,19 +5,18 @@ import importlib
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Annotated, TypedDict, Unpack
+from typing import Annotated, Any, TypedDict, Unpack
 
 from granchain import InputError
 from granchain.parts import (
-    AnyRun,
     Between,
     RunDirectory,
     checked,
     complaints,
     complete,
-    directory_of,
     file_names,
     formats,
+    inputs,
     labelled,
     output_directory,
     screen,
@@ -104,7 +103,7 @@ class FilmOptions(TypedDict, total=False):
 
 @checked
 def export(
-    run: AnyRun,
+    run: inputs.AnyRun,
     to: Sequence[str],
     output: Path | str | None = None,
     *,
@@ -133,7 +132,7 @@ def export(
         >>> granchain.export("out", to="vmd", output="for-vmd")
         [PosixPath('for-vmd/frames.vmd')]
     """
-    path = Path(run) if isinstance(run, str | os.PathLike) else directory_of(run).path
+    path = Path(run) if isinstance(run, str | os.PathLike) else inputs.directory_of(run).path
     names = [name for each in to for name in each.split(",")]
     options = Options(every, **film)
     target = None if output is None else Path(output)
@@ -172,9 +171,9 @@ def write(
 
     _reserve(folder, [name_of(FORMATS[name].file) for name in names if FORMATS[name].file], ours, overwrite)
     files: Writers = {}
+    results = _part("results:Results")(request) if any(FORMATS[name].of_results for name in names) else None
     for name in names:
-        module, function = FORMATS[name].writer.split(":")
-        made: Writers = getattr(importlib.import_module(f"workflow.plugins.export.{module}"), function)(request)
+        made: Writers = _part(FORMATS[name].writer)(results if FORMATS[name].of_results else request)
         files |= {name_of(file): write_file for file, write_file in made.items()}
     _reserve(folder, files, ours, overwrite)
     output_directory.make_directory(folder)
@@ -182,6 +181,12 @@ def write(
         with complete(folder / name, directory=Path(name).suffix == _STORE) as temporary:
             write_file(temporary)
     return [folder / name for name in files]
+
+
+def _part(place: str) -> Any:
+    """What stands as ``module:name`` in this package, imported when a format needs it."""
+    module, _, name = place.partition(":")
+    return getattr(importlib.import_module(f"workflow.plugins.export.{module}"), name)
 
 
 _STORE = Path(FORMATS["zarr"].file).suffix

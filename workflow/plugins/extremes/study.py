@@ -31,7 +31,6 @@ from granchain.parts import (
     paired,
     physics,
     quantity,
-    result,
     run,
     screen,
     validate,
@@ -105,7 +104,7 @@ LEAST_ERROR = 1e-8
 """Least error that is distinguished from 0, in units of V."""
 
 
-@result
+@quantity.result
 class RunOutcome:
     """Outcome of one cell of the report; errors are the largest of any velocity."""
 

@@ -22,18 +22,17 @@ from scipy.stats import qmc
 
 from granchain import InputError, load
 from granchain.parts import (
-    AnyScene,
     Floats,
     Study,
     channels,
     checked,
     formats,
+    inputs,
     installed_scenes,
     library,
     options,
     run,
     screen,
-    source_of,
     strict_yaml,
 )
 from workflow.plugins.fit.estimate import FitResult, estimate
@@ -65,7 +64,7 @@ BEGUN = 3
 
 @checked
 def fit(
-    scene: AnyScene,
+    scene: inputs.AnyScene,
     against: Path | str,
     free: Sequence[str],
     directory: Path | str,
@@ -105,7 +104,7 @@ def fit(
         >>> round(fitted.free["kick.velocity"].value, 4)
         1.0
     """
-    model = Model(load(scene).plain(), source_of(scene), list(free), Path(against), offset, gradient=gradient)
+    model = Model(load(scene).plain(), inputs.source_of(scene), list(free), Path(against), offset, gradient=gradient)
     return carry_out(model, Path(directory), lammps=lammps)
 
 

@@ -19,7 +19,7 @@ from granchain.parts import (
     Survey,
     Trajectory,
     energies,
-    engine_called,
+    engines,
     evaluate,
     forces,
     kept_run,
@@ -49,7 +49,7 @@ class Ran(RunDirectory):
 
         They are the difference from the reference for LAMMPS, and the uncertainty for the reference.
         """
-        errors = engine_called(self.engine).errors(self.job)
+        errors = engines.engine_called(self.engine).errors(self.job)
         assert errors is not None
         return errors
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from granchain import InputError
-from granchain.parts import Limits, complaints, schema, strict_yaml
+from granchain.parts import complaints, output, schema, strict_yaml
 from workflow.plugins.jobs.registry import SCHEDULERS
 from workflow.plugins.jobs.schedulers import Scheduler
 
@@ -116,7 +116,7 @@ class JobOptions(BaseModel):
     node_environment: Name | None = None
     """Only of Grid Engine: that of a command on several cores of one node (default smp)."""
     modules: Modules = ()
-    limits: Limits | None = None
+    limits: output.Limits | None = None
     """Of runs on this machine, where a scene names none; of no meaning for a job."""
     launcher: Command | None = None
     """What starts the ranks, such as ``srun --mpi=pmi2``; by default ``srun`` on Slurm, else ``mpirun -np {ranks}``."""
@@ -198,7 +198,7 @@ def load(path: Path) -> dict[str, Any]:
     return data
 
 
-def limits() -> tuple[str, Limits]:
+def limits() -> tuple[str, output.Limits]:
     """Name of the site's file, and limits of runs on this machine from it; none where there is no file.
 
     Raises:
@@ -206,7 +206,7 @@ def limits() -> tuple[str, Limits]:
     """
     path = find_site()
     named = None if path is None else JobOptions.model_validate(load(path)).limits
-    return f"~/{DEFAULT_FILE}", named or Limits()
+    return f"~/{DEFAULT_FILE}", named or output.Limits()
 
 
 def options(named: dict[str, Any], site: Path | None = None) -> JobOptions:

@@ -4,14 +4,14 @@ from pathlib import Path
 from typing import Annotated
 
 from granchain import load
-from granchain.parts import AnyScene, Between, checked, source_of
+from granchain.parts import Between, checked, inputs
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.lyapunov.study import LyapunovResult, duration_of, study
 
 
 @checked
 def lyapunov(
-    scene: AnyScene,
+    scene: inputs.AnyScene,
     directory: Path | str,
     *,
     exponents: Annotated[int, Between(1, 10_000)] = 1,
@@ -40,6 +40,6 @@ def lyapunov(
         >>> regular.chaotic
         False
     """
-    plain, source = load(scene).plain(), source_of(scene)
+    plain, source = load(scene).plain(), inputs.source_of(scene)
     until = duration_of(tangent.problem_of(plain, source), exponents, duration)
     return study(plain, source, Path(directory), exponents, until)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, TypedDict, Unpack
 
 from granchain import load
-from granchain.parts import AnyScene, Between, checked, source_of
+from granchain.parts import Between, checked, inputs
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes import response_study
 from workflow.plugins.modes.response_tables import ResponseResult
@@ -43,7 +43,7 @@ class ModesOptions(TypedDict, total=False):
 
 @checked
 def modes(
-    scene: AnyScene,
+    scene: inputs.AnyScene,
     directory: Path | str,
     *,
     linear: bool = False,
@@ -78,7 +78,7 @@ def modes(
     of_responses = {"frequencies": None, "bead": None, "sweep": None}
     chosen = {**defaults, **of_responses, "linear": linear, "no_lammps": not lammps, **options}
     arguments = argparse.Namespace(**chosen)
-    plain, source = load(scene).plain(), source_of(scene)
+    plain, source = load(scene).plain(), inputs.source_of(scene)
     problem = tangent.problem_of(plain, source)
     responses = response_study.requested(arguments, problem)
     if responses is not None:

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from granchain.parts import RunDirectory, engine_called, screen, table_of, validate, validate_run, validation_tables
+from granchain.parts import RunDirectory, engines, screen, table_of, validate, validate_run, validation_tables
 
 # --- sentences --------------------------------------------------------------------------------------------------------
 
@@ -12,7 +12,8 @@ from granchain.parts import RunDirectory, engine_called, screen, table_of, valid
 def compared_lines(runs: tuple[RunDirectory, ...], comparison: validate.Validation) -> list[str]:
     """Sentences on what was compared, and whether it agrees."""
     letters = [
-        f"{letter} is {run.path} ({engine_called(run.engine).title})" for letter, run in zip("AB", runs, strict=False)
+        f"{letter} is {run.path} ({engines.engine_called(run.engine).title})"
+        for letter, run in zip("AB", runs, strict=False)
     ]
     if len(runs) == 1:
         letters.append("B is the reference integrator")

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
-from granchain.parts import AnyRun, checked, directory_of
+from granchain.parts import checked, inputs
 from workflow.plugins.pages import need_bokeh
 
 MOST_EMBEDDED = 6_000_000
@@ -32,7 +32,7 @@ class Page:
 
 
 @checked
-def view(run_or_sweep: AnyRun, against: AnyRun | None = None) -> Page:
+def view(run_or_sweep: inputs.AnyRun, against: inputs.AnyRun | None = None) -> Page:
     """Write the interactive page of a run or a sweep, ``view.html``, or of two runs, ``against-B.html``.
 
     Args:
@@ -53,7 +53,7 @@ def view(run_or_sweep: AnyRun, against: AnyRun | None = None) -> Page:
     from workflow.plugins.pages import write
 
     if against is not None:
-        return Page(write.write_comparison(directory_of(run_or_sweep), directory_of(against)))
+        return Page(write.write_comparison(inputs.directory_of(run_or_sweep), inputs.directory_of(against)))
     if isinstance(run_or_sweep, str | Path):
         return Page(write.write(Path(run_or_sweep)))
-    return Page(write.write(directory_of(run_or_sweep).path))
+    return Page(write.write(inputs.directory_of(run_or_sweep).path))

@@ -18,7 +18,7 @@ from granchain.parts import (
     analyse,
     analysis_lines,
     collect,
-    engine_called,
+    engines,
     file_names,
     output_directory,
     provenance,
@@ -273,7 +273,7 @@ def _cited(runs: Iterable[RunDirectory]) -> list[str]:
 
 def _computed(directory: RunDirectory) -> str:
     """Sentence on the engine, time and machine by which a run was computed, as far as it recorded them."""
-    job, engine = directory.job, engine_called(directory.engine).title
+    job, engine = directory.job, engines.engine_called(directory.engine).title
     if directory.engine == "lammps":
         engine = f"{engine} {job.lammps or job.versions.get('lammps', '')}".rstrip()
     granchain = job.versions.get("granchain")

@@ -7,7 +7,6 @@ from granchain.parts import (
     Problem,
     Survey,
     Trajectory,
-    direction_of,
     hermite,
     joined,
     laws,
@@ -163,7 +162,7 @@ class LoadedPulse:
         """Leading pulse of the kicked chain in the frames so far; None where it did not come far enough."""
         problem = self._problem
         system = problem.system
-        direction = direction_of(problem)
+        direction = problem.direction
         number, bead, _ = physics.largest_excitation(system)
         chain, count = number - 1, problem.beads - 1
         contact = np.arange(count)

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated, Any, TypedDict, TypeVar, Unpack
 
 from granchain import InputError, load
-from granchain.parts import AnyScene, Between, Processes, checked, numbers, options, source_of
+from granchain.parts import Between, checked, inputs, numbers, options
 from workflow.plugins.threshold.crossings import SearchedField
 from workflow.plugins.threshold.study import ThresholdResult, carry_out, question_of
 
@@ -28,13 +28,13 @@ class SearchOptions(TypedDict, total=False):
 
 @checked
 def threshold(
-    scene: AnyScene,
+    scene: inputs.AnyScene,
     where: Mapping[str, float],
     vary: Mapping[str, Sequence[float]],
     directory: Path | str,
     *,
     over: Mapping[str, Sequence[Any]] | None = None,
-    jobs: Processes | None = None,
+    jobs: inputs.Processes | None = None,
     **search: Unpack[SearchOptions],
 ) -> ThresholdResult:
     """Find where a quantity crosses a value as a field of the scene varies; resumes an interrupted call.
@@ -78,7 +78,7 @@ def threshold(
         second = options.SecondField(name, tuple(map(options.hashable, numbers.plain_values(values))))
         if not values or len(set(map(repr, second.values))) < len(values):
             raise InputError("over: different values are needed, such as {'chains': [2, 3, 4]}")
-    plain, source = load(scene).plain(), source_of(scene)
+    plain, source = load(scene).plain(), inputs.source_of(scene)
     axis = SearchedField(ends[0], ends[1], **search)
     question = question_of(source, plain, (quantity, level), field, axis, second)
     return carry_out(question, Path(directory), jobs)

@@ -4,14 +4,14 @@ from pathlib import Path
 from typing import Annotated
 
 from granchain import load
-from granchain.parts import AnyScene, Between, checked
+from granchain.parts import Between, checked, inputs
 from workflow.plugins.trade.points import Findings
 from workflow.plugins.trade.study import BUDGET, plain_problem, study
 
 
 @checked
 def trade(
-    scene: AnyScene, directory: Path | str, *, budget: Annotated[float, Between(0.0, above=True)] = BUDGET
+    scene: inputs.AnyScene, directory: Path | str, *, budget: Annotated[float, Between(0.0, above=True)] = BUDGET
 ) -> Findings:
     """Measure error against cost of a scene on this machine: time steps, schemes, ranks, windows, frames.
 

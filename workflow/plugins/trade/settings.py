@@ -18,7 +18,6 @@ from granchain.parts import (
     Problem,
     StepHalving,
     Trajectory,
-    Uncertainty,
     deck,
     difference,
     file_names,
@@ -206,7 +205,7 @@ class Truth:
 
     problem: Problem
     path: Path
-    uncertainty: Uncertainty
+    uncertainty: difference.Uncertainty
     seconds: float
 
     @property

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from lammps_inputs import Scene as Scene
     from lammps_inputs.materials import CATALOGUE as materials  # noqa: N811  no constant to those who read it
     from lammps_inputs.materials import Solid as Solid
-    from workflow.arguments import load as load
     from workflow.errors import RunError as RunError
+    from workflow.inputs import load as load
     from workflow.interface.analyses import analyze as analyze
     from workflow.interface.analyses import universe as universe
     from workflow.interface.analyses import validate as validate

@@ -2,6 +2,9 @@
 
 Each name is documented where it is defined. It is imported when it is first used, so that a command loads only what it
 needs. A plug-in imports nothing else of the core; what users call is in `granchain`.
+
+Examples in its documentation begin with the module or function itself, as imported from here, and use `granchain`,
+NumPy as `np`, and `tmp`, the path of an empty directory.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -24,7 +27,6 @@ if TYPE_CHECKING:
     from analysis.files.binary_dump import BinaryDump as BinaryDump
     from analysis.gauges import channels as channels
     from analysis.gauges import gauge as gauge
-    from analysis.quantity import result as result
     from analysis.shape import exact_wave as exact_wave
     from analysis.shape import long_waves as long_waves
     from analysis.shape import unit_cell as unit_cell
@@ -37,7 +39,6 @@ if TYPE_CHECKING:
     from analysis.trajectory import Floats as Floats
     from analysis.trajectory import Integers as Integers
     from analysis.trajectory import Trajectory as Trajectory
-    from analysis.trajectory import direction_of as direction_of
     from analysis.trajectory import frames_per_block as frames_per_block
     from analysis.trajectory import joined as joined
     from analysis.trajectory import watch as watch
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
     from lammps_inputs import laws as laws
     from lammps_inputs import library as library
     from lammps_inputs import numbers as numbers
+    from lammps_inputs import output as output
     from lammps_inputs import physics as physics
     from lammps_inputs import plugins as plugins
     from lammps_inputs import references as references
@@ -63,28 +65,26 @@ if TYPE_CHECKING:
     from lammps_inputs.facts import Fact as Fact
     from lammps_inputs.ingredients import registry as registry
     from lammps_inputs.ingredients import walls as walls
+    from lammps_inputs.ingredients.base import Ingredient as Ingredient
+    from lammps_inputs.ingredients.base import Setting as Setting
     from lammps_inputs.ingredients.unequal import radii as radii
     from lammps_inputs.laws import dashpot as dashpot
+    from lammps_inputs.laws import formula as formula
     from lammps_inputs.laws.plastic import restitution_of as restitution_of
     from lammps_inputs.limits import rates as rates
     from lammps_inputs.limits.closing import THETA_OF_EQ_5 as THETA_OF_EQ_5
-    from lammps_inputs.output import Limits as Limits
-    from lammps_inputs.output import too_far_apart as too_far_apart
+    from lammps_inputs.links import Ground as Ground
+    from lammps_inputs.materials import Solid as Solid
     from lammps_inputs.scene import DEFAULT_ACCURACY as DEFAULT_ACCURACY
     from workflow import cli as cli
     from workflow import compiled as compiled
     from workflow import cost_model as cost_model
     from workflow import errors as errors
     from workflow import formats as formats
+    from workflow import inputs as inputs
     from workflow import provenance as provenance
     from workflow import screen as screen
     from workflow import step_time as step_time
-    from workflow.arguments import AnyDefinition as AnyDefinition
-    from workflow.arguments import AnyRun as AnyRun
-    from workflow.arguments import AnyScene as AnyScene
-    from workflow.arguments import Processes as Processes
-    from workflow.arguments import directory_of as directory_of
-    from workflow.arguments import source_of as source_of
     from workflow.checked import Between as Between
     from workflow.checked import checked as checked
     from workflow.commands import analyze as analyze
@@ -97,7 +97,6 @@ if TYPE_CHECKING:
     from workflow.engines.reference import kernel_inputs as kernel_inputs
     from workflow.engines.reference import schemes as schemes
     from workflow.engines.reference.step_halving import StepHalving as StepHalving
-    from workflow.engines.reference.uncertainty import Uncertainty as Uncertainty
     from workflow.measures import forces as forces
     from workflow.measures import measurement as measurement
     from workflow.measures import plastic as plastic
@@ -110,7 +109,6 @@ if TYPE_CHECKING:
     from workflow.runs import labelled as labelled
     from workflow.runs import output_directory as output_directory
     from workflow.runs import status as status
-    from workflow.runs.engines import engine_called as engine_called
     from workflow.runs.files import complete as complete
     from workflow.runs.files import write_text as write_text
     from workflow.runs.frames import write_frames as write_frames

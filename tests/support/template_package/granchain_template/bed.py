@@ -4,17 +4,13 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import Field
 
-from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Ingredient, Setting
-from lammps_inputs.laws import Parameter, dimensionless, formula
-from lammps_inputs.links import Ground
-from lammps_inputs.units import Dimension, Unit
+from granchain.parts import Fact, Ground, Ingredient, Setting, formula, laws, units
 
 
 class Quintic(NamedTuple):
     """``q s**5``."""
 
-    quintic: Annotated[Parameter, Dimension("stiffness", length=-4)]
+    quintic: Annotated[laws.Parameter, units.Dimension("stiffness", length=-4)]
 
     @staticmethod
     def force(s: Any, quintic: Any) -> Any:
@@ -44,9 +40,9 @@ class Bed(Ingredient):
 
     takes_away = frozenset({Fact.MOMENTUM, Fact.PULSE})
 
-    quintic: Annotated[float, Field(gt=0), Unit("N/m5")]
+    quintic: Annotated[float, Field(gt=0), units.Unit("N/m5")]
     """Force over the fifth power of the displacement."""
 
     def links(self, setting: Setting) -> tuple[Ground, ...]:
         """One spring at each bead."""
-        return (Ground("bed", dimensionless(Quintic(self.quintic), setting.scale)),)
+        return (Ground("bed", laws.dimensionless(Quintic(self.quintic), setting.scale)),)
