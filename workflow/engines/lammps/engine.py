@@ -71,9 +71,7 @@ def run_deck(
     restart_every: float = RESTART_EVERY,
     lock: int | None = None,
 ) -> LammpsOutcome:
-    """Run the deck that stands in a directory to its end.
-
-    Ctrl-C ends it at the next segment, with every frame until then on disk, and a restart.
+    """Run the deck in a directory to its end; Ctrl-C ends it at the next segment, with frames and a restart on disk.
 
     Args:
         directory: holds the deck; frames and log are written there.
