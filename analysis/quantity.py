@@ -192,7 +192,7 @@ def result(kind: type[Kind]) -> type[Kind]:
         The dataclass; fields of `computed` are computed when they are first needed.
 
     Examples:
-        >>> @result
+        >>> @quantity.result
         ... class Passages:
         ...     times: tuple[float, ...]
         ...     last: float = quantity.computed("time of the last passage", "time", of=lambda run: run.times[-1])

@@ -318,7 +318,8 @@ class Trajectory:
         """These frames at other consecutive beads, some of which a window does not hold.
 
         Args:
-            first, last: numbers of the beads at the ends.
+            first: number of the first bead.
+            last: number of the last bead.
             behind: displacement and velocity of beads that the window has left; those ahead of it have 0.
 
         Returns:

@@ -1,4 +1,11 @@
-"""Mistakes in plain data of a model, such as a scene, as one line that names keys, what they hold and what is valid."""
+"""Mistakes in plain data of a model, such as a scene, as one line that names keys, what they hold and what is valid.
+
+Examples:
+    >>> complaints.suggestion("stifness", ["stiffness", "mass"])
+    ' (did you mean `stiffness`?)'
+    >>> complaints.model_in(output.Limits | None) is output.Limits
+    True
+"""
 
 import difflib
 import re

@@ -4,7 +4,13 @@ from enum import Enum
 
 
 class Fact(Enum):
-    """Property of a plain chain that holds unless an ingredient removes it."""
+    """Property of a plain chain that holds unless an ingredient removes it.
+
+    Examples:
+        >>> chains, damped = (granchain.load(name).problem().system for name in ("two-chains", "damped-contacts"))
+        >>> chains.holds(Fact.ENERGY), damped.holds(Fact.ENERGY)
+        (True, False)
+    """
 
     MOMENTUM = "momentum is conserved"
     ENERGY = "energy is conserved"

@@ -1,6 +1,10 @@
 """Names of the files that a run is given and leaves: of the deck, and of what continues from a restart.
 
 Imports nothing: who only looks at directories need not load what a scene may be.
+
+Examples:
+    >>> file_names.SCENE, file_names.DECK, file_names.DUMP
+    ('scene.yaml', 'in.chains', 'chains.dump.bin')
 """
 
 SCENE = "scene.yaml"

@@ -1,4 +1,11 @@
-"""How things show themselves in a notebook: small pieces of HTML."""
+"""How things show themselves in a notebook: small pieces of HTML.
+
+Examples:
+    >>> html.table("Arrivals", ["bead", "time"], [[1, 0.5], [2, None]]).count("<td")
+    4
+    >>> html.text("v < 1")
+    '<pre>v &lt; 1</pre>'
+"""
 
 import base64
 from collections.abc import Iterable, Sequence

@@ -1,4 +1,11 @@
-"""The installed scenes, found without loading the types of scenes, which takes half a second."""
+"""The installed scenes, found without loading the types of scenes, which takes half a second.
+
+Examples:
+    >>> installed_scenes.installed()["two-chains"].name
+    'two-chains.yaml'
+    >>> installed_scenes.descriptions()["one-chain"]
+    'one chain: the solitary wave, for comparison'
+"""
 
 import importlib.resources
 from pathlib import Path

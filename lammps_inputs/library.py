@@ -1,4 +1,16 @@
-"""Scenes from files and the paper's scenes by name; a user's mistake becomes one line that names file and key."""
+"""Scenes from files and the paper's scenes by name; a user's mistake becomes one line that names file and key.
+
+Examples:
+    >>> library.find("one-chain")
+    <scene one-chain: 1 chain of 120 beads>
+    >>> data = {"name": "mine", "beads": 20, "kick": {"velocity": 1.0}, "duration": 30.0}
+    >>> library.from_plain(data, "mine.yaml")
+    <scene mine: 1 chain of 20 beads>
+    >>> library.from_plain(data | {"beads": 0}, "mine.yaml")
+    Traceback (most recent call last):
+        ...
+    lammps_inputs.errors.InputError: mine.yaml: beads: should be greater than or equal to 2, 0 given
+"""
 
 import importlib.resources
 import itertools

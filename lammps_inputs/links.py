@@ -267,6 +267,12 @@ class Ground(Link):
     Attributes:
         side: 1 where the strain grows towards higher bead numbers, -1 where towards lower ones.
         gap: displacement at which the strain is 0.
+
+    Examples:
+        >>> [springs] = granchain.load("beats-on-a-foundation").system.ground
+        >>> bed = Ground("bed", springs.law, gap=0.5)
+        >>> bed.strain(np.array([[0.7, 1.5]]))  # of displacements, [chain, bead], in units of L
+        array([[0.2, 1. ]])
     """
 
     side: float = 1.0

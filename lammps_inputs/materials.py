@@ -29,7 +29,16 @@ YieldStrength = Annotated[
 
 
 class Solid(NamedTuple):
-    """An isotropic elastic solid, in SI units, and the publication of its values (a key of `references.bib`).
+    """An isotropic elastic solid, in SI units.
+
+    Attributes:
+        youngs_modulus: in Pa.
+        poisson_ratio: dimensionless.
+        density: in kg/m^3.
+        source: publication of the values, a key of `references.bib`.
+        meaning: name of the material in words.
+        yield_strength: in Pa, in tension, annealed or of the temper of the meaning; None where it depends on a
+            treatment that is not stated.
 
     Examples:
         >>> tungsten = granchain.Solid(411e9, 0.28, 19300.0, "my-handbook", "Tungsten")
@@ -43,7 +52,6 @@ class Solid(NamedTuple):
     source: str
     meaning: str
     yield_strength: float | None = None
-    """In tension, annealed or of the temper of the meaning; None where it depends on a treatment that is not stated."""
 
 
 CATALOGUE: dict[str, Solid] = {
@@ -56,11 +64,12 @@ CATALOGUE: dict[str, Solid] = {
     "glass": Solid(70e9, 0.2, 2500.0, "en572", "Soda lime silicate glass"),
     "ptfe": Solid(1.46e9, 0.46, 2178.0, "daraio2005", "Polytetrafluoroethylene"),
 }
-"""Name -> solid, of the materials that a scene may name, those of installed distributions included.
+"""Solids by name, those of other distributions included.
 
 Examples:
-    >>> granchain.materials["steel"].density  # in kg/m^3
-    8000.0
+    >>> steel = granchain.materials["steel"]
+    >>> steel.youngs_modulus, steel.density, steel.source  # Pa, kg/m3, key of references.bib
+    (193000000000.0, 8000.0, 'daraio2006')
 """
 
 for _solids in plugins.loaded("materials").values():

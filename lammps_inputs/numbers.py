@@ -1,4 +1,15 @@
-"""Small helpers for exact and readable numbers."""
+"""Small helpers for exact and readable numbers.
+
+Examples:
+    >>> numbers.text(2.0), numbers.text(0.1)
+    ('2', '0.1')
+    >>> numbers.time_text(4000.0), numbers.size_text(3.3e9)
+    ('67 min', '3.3 GB')
+    >>> numbers.known(float("nan")), numbers.known(0.5)
+    (None, 0.5)
+    >>> numbers.plain_values({"beads": np.arange(3)})
+    {'beads': [0, 1, 2]}
+"""
 
 import math
 import os

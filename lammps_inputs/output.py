@@ -1,4 +1,13 @@
-"""What is recorded, and how often; and what is computed from the frames: forces and spectra."""
+"""What is recorded, and how often; and what is computed from the frames: forces and spectra.
+
+Plug-ins take this module for limits of output: `too_far_apart` says why no wave is found between frames, `Limits` are
+the sizes beyond which no run starts.
+
+Examples:
+    >>> scale = granchain.load("one-chain").scale
+    >>> output.too_far_apart(3.0, scale)
+    'frames are 3 apart, too far to find waves between them; at most 2'
+"""
 
 from collections.abc import Iterable
 from typing import Annotated, Any, ClassVar, Literal
@@ -19,7 +28,15 @@ uncertainty."""
 
 
 def too_far_apart(every: float, scale: Scale) -> str:
-    """Why no wave is found between frames so far apart, a time in units of T; empty where they are near enough."""
+    """Why no wave is found between frames so far apart, a time in units of T; empty where they are near enough.
+
+    Examples:
+        >>> scale = granchain.load("one-chain").problem().scale
+        >>> output.too_far_apart(0.1, scale)
+        ''
+        >>> output.too_far_apart(3.0, scale)
+        'frames are 3 apart, too far to find waves between them; at most 2'
+    """
     if every <= FARTHEST * (1.0 + 1e-9):
         return ""
     apart, limit = (scale.written(time, "time", ".4g") for time in (every, FARTHEST))
@@ -141,7 +158,14 @@ class Spectra(ScenePart):
 
 
 class Limits(ScenePart):
-    """Beyond either, `granchain run` refuses; in a scene, or for all scenes in a site's file."""
+    """Beyond either, `granchain run` refuses; in a scene, or for all scenes in a site's file.
+
+    Examples:
+        >>> output.Limits(gigabytes=200.0)
+        Limits(gigabytes=200.0, hours=None)
+        >>> output.Limits(gigabytes=200.0).hours is None  # the default holds
+        True
+    """
 
     example: ClassVar[str] = "{gigabytes: 200, hours: 100}"
 

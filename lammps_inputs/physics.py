@@ -1,4 +1,16 @@
-"""What follows from a system: its energy and momentum, what sets it in motion, and which ingredients it has."""
+"""What follows from a system: its energy and momentum, what sets it in motion, and which ingredients it has.
+
+Examples:
+    >>> system = granchain.load("two-chains").problem().system
+    >>> physics.energy(system), physics.momentum(system)  # in units of m V^2 and m V
+    (0.5, 1.0)
+    >>> physics.exponent(system), physics.kappa(system)
+    (1.5, 0.1)
+    >>> physics.largest_excitation(system)  # chain, bead, impulse
+    (1, 1, 1.0)
+    >>> physics.initial_velocity(system)[:, 0]  # in units of V
+    array([1., 0.])
+"""
 
 import functools
 import math
@@ -74,7 +86,9 @@ def lines(system: System) -> int:
 
 
 def masses(system: System, absent: float = 0.0) -> float | NDArray[np.float64]:
-    """Masses of all atoms, [line, bead], and ``absent`` at places without one; the number 1 where all have it.
+    """Masses of all atoms, [line, bead], in units of the reference bead's; the number 1 where all have it.
+
+    At places without an atom they are ``absent``.
 
     Forces over masses that are infinite where there is no atom are 0 there.
     """

@@ -25,6 +25,14 @@ Those of granchain itself are declared in its ``pyproject.toml`` like those of a
   `workflow.plugins.derivatives.gradient.with_derivatives`;
 - ``granchain.schedulers``: name for ``--scheduler`` = `workflow.plugins.jobs.schedulers.Scheduler`;
 - ``granchain.schemas``: what `granchain schema` prints = function without arguments.
+
+Examples:
+    >>> "contact" in plugins.declared("ingredients")
+    True
+    >>> plugins.load("engines", "02-reference").title
+    'the reference integrator'
+    >>> plugins.provider("engines", "02-reference")  # empty for granchain
+    ''
 """
 
 import functools

@@ -17,7 +17,15 @@ from lammps_inputs.units import Scale
 
 @dataclass(frozen=True, kw_only=True)
 class Problem:
-    """A system, over how long it is followed, and what is recorded."""
+    """A system, over how long it is followed, and what is recorded.
+
+    Examples:
+        >>> problem = granchain.load("two-chains").problem()
+        >>> problem.chains, problem.beads, problem.frames
+        (2, 120, 1920)
+        >>> problem.every == problem.steps_per_frame * problem.timestep  # in units of T
+        True
+    """
 
     system: System
     name: str

@@ -1,4 +1,11 @@
-"""The publications behind the models, `references.bib`: as text, as BibTeX, and those that a scene uses."""
+"""The publications behind the models, `references.bib`: as text, as BibTeX, and those that a scene uses.
+
+Examples:
+    >>> references.text("hertz1882").partition(",")[0]
+    'H. Hertz'
+    >>> references.of_scene(granchain.load("plastic-contacts"))["contacts"]
+    ['hertz1882']
+"""
 
 import functools
 import importlib.resources

@@ -1,5 +1,12 @@
-"""JSON schemas of the files that users write, for editors that complete and check them."""
+"""JSON schemas of the files that users write, for editors that complete and check them.
 
+Examples:
+    >>> of_limits = schema.of(output.Limits, "site")
+    >>> of_limits["title"], sorted(of_limits["properties"])
+    ('granchain site', ['gigabytes', 'hours'])
+"""
+
+import re
 from typing import Any
 
 from pydantic import BaseModel
@@ -40,14 +47,14 @@ def scene() -> dict[str, Any]:
 
 
 def _written(schema: Any) -> Any:
-    """Schema without null and examples: alternatives of null and defaults of None are dropped at all depths."""
+    """Schema without null, as alternative or default, and without examples of Python, at all depths."""
+    if isinstance(schema, str):
+        return re.split(r"\n\n(?:Examples:|>>>)", schema)[0]
     if isinstance(schema, list):
         return [_written(part) for part in schema]
     if not isinstance(schema, dict):
         return schema
     result = {key: _written(value) for key, value in schema.items() if not (key == "default" and value is None)}
-    if isinstance(result.get("description"), str):  # else a key of that name
-        result["description"] = result["description"].partition("\n\nExamples:")[0]
     options = result.get("anyOf")
     if isinstance(options, list):
         values = [option for option in options if option != {"type": "null"}]

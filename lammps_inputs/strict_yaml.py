@@ -3,6 +3,16 @@
 No tags, anchors or aliases either, so what is read is dictionaries, lists, text, numbers, truth values and null.
 
 Nothing here depends on scenes.
+
+Examples:
+    >>> strict_yaml.parse("{beads: 20, kick: {velocity: 1e-1}}", "mine.yaml")
+    {'beads': 20, 'kick': {'velocity': 0.1}}
+    >>> strict_yaml.parse("{beads: 20, beads: 30}", "mine.yaml")
+    Traceback (most recent call last):
+        ...
+    lammps_inputs.errors.InputError: mine.yaml: line 1: key 'beads' is given twice
+    >>> strict_yaml.as_tuple([1, [2, 3]])
+    (1, (2, 3))
 """
 
 import re

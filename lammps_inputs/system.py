@@ -23,7 +23,15 @@ from lammps_inputs.loads import Load, Motion
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class System:
-    """Beads, the links between them, and their kicks, so that the fastest starts at 1."""
+    """Beads, the links between them, and their kicks, so that the fastest starts at 1.
+
+    Examples:
+        >>> system = granchain.load("two-chains").problem().system
+        >>> system.chains, system.beads, system.kicks
+        (2, 120, ((1, 1, 1.0),))
+        >>> [link.name for link in system.links], len(system.couplings)
+        (['contacts', 'coupling'], 1)
+    """
 
     chains: int
     beads: int

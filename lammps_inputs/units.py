@@ -6,6 +6,15 @@ With mass m, contact constant A (force = A overlap**p, p = 1.5 for spheres) and 
 
 so that x = L x^, t = T t^, and a spring k becomes kappa = k T**2 / m. Reduced units are the case m = A = 1, where
 kappa = k V**-0.4 for spheres. The scaling is exact (Starosvetsky, Hasan & Vakakis: the array has no other scale).
+
+Examples:
+    >>> scale = units.make_scale(mass=1e-3, contact_constant=1e10, velocity=1.0, si=True)
+    >>> scale.written(1.0, "time"), scale.short(1.0, "time")
+    ('6.30957e-06 s', '6.30957 us')
+    >>> scale.measured(np.array([0.5, 1.0]), "velocity")  # m/s
+    array([0.5, 1. ])
+    >>> units.Label("arrival", "t", units.SI["time"]).plain
+    'arrival t (s)'
 """
 
 import math

@@ -8,6 +8,12 @@ nothing behind the window would have come back. The LAMMPS lines stand beside th
 A move needs new neighbours, which LAMMPS finds by where beads are. So they are found with the beads at rest, their
 places parked in ``vy`` meanwhile. That loses the forces, so what these do first, the half kick that the next Verlet
 step begins with, is done before. A move therefore belongs to the step that follows, and never ends a run.
+
+Examples:
+    >>> window.behind(window.LEAST_WINDOW)
+    40
+    >>> window.stride(granchain.load("one-chain").problem())
+    1
 """
 
 import itertools

@@ -7,6 +7,7 @@ import re
 from graphlib import TopologicalSorter
 from pathlib import Path
 
+import plug_ins
 import pytest
 
 from granchain import parts
@@ -15,7 +16,7 @@ from workflow import lazy_names
 ROOT = Path(__file__).parents[1]
 PLUG_INS = ROOT / "workflow" / "plugins"
 FACES = ("granchain", "granchain.parts")
-MOST_NAMES = 130
+MOST_NAMES = 120
 """Names of the core that all plug-ins together may take."""
 BELOW = {
     "lammps_inputs": set(),
@@ -120,9 +121,10 @@ def test_plug_ins_take_names_of_the_core_from_two_modules_and_not_too_many():
     example = (ROOT / "tests" / "support" / "template_package").rglob("*.py")
     names |= set().union(*(taken(path.read_text(encoding="utf-8")) for path in example))
     assert {name for name in names if name.rpartition(".")[0] not in FACES} == set()
-    assert {name.rpartition(".")[2] for name in names if name.startswith("granchain.parts.")} == set(
-        lazy_names.sources(parts.__file__)
-    )
+    of_face = {name.rpartition(".")[2] for name in names if name.startswith("granchain.parts.")}
+    assert of_face <= set(lazy_names.sources(parts.__file__))
+    plug_ins.skip_if_deleted(*plug_ins.WITHOUT)  # whose names nothing takes
+    assert of_face == set(lazy_names.sources(parts.__file__))
 
 
 @pytest.mark.parametrize(

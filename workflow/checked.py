@@ -37,6 +37,14 @@ class Between:
         low: the least value.
         high: the largest value.
         above: whether the least value itself is excluded.
+
+    Examples:
+        >>> str(Between(0.0, 1.0)), str(Between(0.0, above=True))
+        ('0 to 1', 'above 0')
+        >>> Between(0.0, 1.0).refuse(2.0, "a number")
+        Traceback (most recent call last):
+            ...
+        ValueError: a number, 0 to 1
     """
 
     low: float
@@ -83,6 +91,21 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
     Returns:
         The function; it raises `InputError` for arguments that it does not have or cannot take.
+
+    Examples:
+        >>> @checked
+        ... def half(value: float) -> float:
+        ...     return value / 2
+        >>> half(np.float64(3.0))
+        1.5
+        >>> half("three")
+        Traceback (most recent call last):
+            ...
+        lammps_inputs.errors.InputError: value: 'three' given; a number
+        >>> half(valu=3.0)
+        Traceback (most recent call last):
+            ...
+        lammps_inputs.errors.InputError: valu: is no argument of half (did you mean `value`?)
     """
     signature = inspect.signature(function)
     by_names: Callable[..., R] = function

@@ -1,4 +1,12 @@
-"""Formats and width of figures: PNG, each of its own width, unless a command was asked for others; decided here."""
+"""Formats and width of figures: PNG, each of its own width, unless a command was asked for others; decided here.
+
+Examples:
+    >>> formats.figure_files("waves")
+    ('waves.png',)
+    >>> with formats.written_as(["pdf"], width=3.4):
+    ...     formats.figure_files("waves"), formats.words()
+    (('waves.pdf',), ['--formats', 'pdf', '--width', '3.4'])
+"""
 
 import argparse
 from collections.abc import Iterator, Sequence

@@ -1,4 +1,19 @@
-"""What scripts and notebooks pass to functions: scenes, runs and directories in any of their forms."""
+"""What scripts and notebooks pass to functions: scenes, runs and directories in any of their forms.
+
+Plug-ins take this module for functions of their own: `AnyScene`, `AnyRun` and `AnyDefinition` are types of arguments of
+a function that is `checked`, `source_of` names a scene in messages, `directory_of` is the directory of a run.
+
+Examples:
+    >>> @checked
+    ... def mass(scene: inputs.AnyScene) -> float:
+    ...     return evaluate.mass_of(granchain.load(scene))
+    >>> mass("one-chain")
+    120.0
+    >>> mass(7)
+    Traceback (most recent call last):
+        ...
+    lammps_inputs.errors.InputError: scene: 7 given; the name of a scene, its file, its plain data or a Scene
+"""
 
 import os
 from collections.abc import Mapping
@@ -40,16 +55,61 @@ def _definition(value: Any) -> Any:
 
 
 AnyScene = Annotated[Scene | Mapping[str, Any] | Path | str, Valid(_scene)]
-"""A scene, its plain data, its file, or the name of an installed one."""
+"""A scene, its plain data, its file, or the name of an installed one.
+
+Examples:
+    >>> @checked
+    ... def beads(scene: AnyScene) -> int:
+    ...     return granchain.load(scene).beads
+    >>> beads("one-chain")
+    120
+    >>> beads(3)
+    Traceback (most recent call last):
+        ...
+    lammps_inputs.errors.InputError: scene: 3 given; the name of a scene, its file, its plain data or a Scene
+"""
 
 AnyRun = Annotated[CompletedRun | RunDirectory | Path | str, Valid(_run)]
-"""A run, or its directory."""
+"""A run, or its directory.
+
+Examples:
+    >>> @checked
+    ... def scene_of(run: AnyRun) -> str:
+    ...     return directory_of(run).scene.name
+    >>> scene_files.write(granchain.load("one-chain"), tmp)
+    >>> scene_of(tmp)
+    'one-chain'
+"""
 
 AnyDefinition = Annotated[Mapping[str, Any] | Path | str, Valid(_definition)]
-"""A file that holds a scene and what is varied, or its content; the scene may be a `Scene`."""
+"""A file that holds a scene and what is varied, or its content; the scene may be a `Scene`.
+
+Examples:
+    >>> @checked
+    ... def scene_of(definition: AnyDefinition) -> str:
+    ...     return definition["scene"]
+    >>> scene_of({"scene": "one-chain", "vary": {"kick.velocity": [1.0, 2.0]}})
+    'one-chain'
+    >>> scene_of(3)
+    Traceback (most recent call last):
+        ...
+    lammps_inputs.errors.InputError: definition: 3 given; the path of a file, or its content as a mapping
+"""
 
 Processes = Annotated[int, Between(1, 1024)]
-"""Number of worker processes."""
+"""Number of worker processes.
+
+Examples:
+    >>> @checked
+    ... def twice(jobs: Processes) -> int:
+    ...     return 2 * jobs
+    >>> twice(4)
+    8
+    >>> twice(0)
+    Traceback (most recent call last):
+        ...
+    lammps_inputs.errors.InputError: jobs: 0 given; a whole number, 1 to 1024
+"""
 
 
 @checked
@@ -80,7 +140,18 @@ def load(scene: AnyScene, changes: Mapping[str, Any] | None = None) -> Scene:
 
 
 def source_of(scene: AnyScene) -> str:
-    """Name of a scene in messages: the file or name that was passed, else "scene"."""
+    """Name of a scene in messages.
+
+    Args:
+        scene: what was passed.
+
+    Returns:
+        The file or name that was passed, else "scene".
+
+    Examples:
+        >>> inputs.source_of("one-chain"), inputs.source_of({"beads": 20})
+        ('one-chain', 'scene')
+    """
     return str(scene) if isinstance(scene, str | Path) else "scene"
 
 
@@ -95,6 +166,11 @@ def directory_of(run: AnyRun) -> RunDirectory:
 
     Raises:
         InputError: there is no run directory at the path.
+
+    Examples:
+        >>> scene_files.write(granchain.load("one-chain"), tmp)
+        >>> directory_of(tmp).scene
+        <scene one-chain: 1 chain of 120 beads>
     """
     if isinstance(run, CompletedRun):
         return run.directory

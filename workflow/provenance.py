@@ -1,4 +1,10 @@
-"""The last section of every page: what it cites, and when, where and with which versions it was made."""
+"""The last section of every page: what it cites, and when, where and with which versions it was made.
+
+Examples:
+    >>> page = provenance.foot(["hertz1882"], note="One run.")
+    >>> "H. Hertz" in page, "One run." in page
+    (True, True)
+"""
 
 import functools
 import html

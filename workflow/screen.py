@@ -1,4 +1,18 @@
-"""What the terminal shows: a progress bar, tables. Nothing is computed here."""
+"""What the terminal shows: a progress bar, tables. Nothing is computed here.
+
+Examples:
+    >>> screen.cell(1.0 / 3.0), screen.cell(None), screen.cell([1, 2])
+    ('0.333333', '-', '1 2')
+    >>> screen.print_table("Arrivals", ["bead", "time"], [["1", "0.5"], ["2", "1.5"]])
+    Arrivals
+    bead  time
+       1   0.5
+       2   1.5
+    >>> with screen.count_bar("cases") as show:  # on a terminal
+    ...     show(1, 2)
+    >>> screen.CommandResult(0, {"cases": 2}).code
+    0
+"""
 
 import errno
 import math

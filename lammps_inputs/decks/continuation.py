@@ -9,6 +9,13 @@ step, so they are kept, too, in ``vz``.
 
 Frames of a continued run stand in ``chains.dump.bin``, ``chains.dump.2.bin``, ``chains.dump.3.bin`` and so on; the
 first one that a step stands in counts.
+
+Examples:
+    >>> problem = granchain.load("one-chain").problem()
+    >>> continuation.render_continuation(problem).splitlines()[0]
+    '# one-chain, continued from a restart: bitwise the same result, on any number of ranks'
+    >>> continuation.onward_lines(problem)
+    ['run ${steps} upto pre no']
 """
 
 from lammps_inputs import file_names, scheme, static_load, window

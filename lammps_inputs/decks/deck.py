@@ -10,6 +10,15 @@ How the equation becomes LAMMPS:
 - beads sit at multiples of a power of two, so touching is exact;
 - neighbours never change on a line, so the neighbour list is built once and no bead is ever moved between ranks;
 - a spring joins beads of one row, so ranks divide the rows, never a row.
+
+Examples:
+    >>> problem = granchain.load("one-chain").problem()
+    >>> sorted(deck.files_of(problem))
+    ['data.chains', 'in.chains']
+    >>> deck.columns(problem)
+    ('id', 'x', 'vx')
+    >>> deck.refusal(problem.system)  # LAMMPS can compute it
+    ''
 """
 
 import collections

@@ -1,4 +1,10 @@
-"""Files of a scene: its deck, and the scene itself with every default written out."""
+"""Files of a scene: its deck, and the scene itself with every default written out.
+
+Examples:
+    >>> scene_files.write(granchain.load("one-chain"), tmp)
+    >>> sorted(path.name for path in tmp.iterdir())
+    ['data.chains', 'in.chains', 'scene.yaml']
+"""
 
 from pathlib import Path
 

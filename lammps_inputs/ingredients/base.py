@@ -56,6 +56,13 @@ class Setting:
         contact_scale: exponent and constant of the contacts' force, by which lengths are measured.
         parts: what the scene names, by key; of keys on which forces may depend.
         named: every ingredient, with its key in a scene.
+
+    Examples:
+        >>> setting = granchain.load("two-chains").setting
+        >>> setting.chains, setting.beads, setting.gap  # gap in the units of the scene
+        (2, 120, 0.0)
+        >>> [key for key, _ in setting.named]
+        ['coupling']
     """
 
     chains: int
@@ -162,7 +169,19 @@ class FurtherAtoms(NamedTuple):
 
 
 class Ingredient(ScenePart):
-    """A part of a scene that makes links between beads; what is not overridden, it does not do."""
+    """A part of a scene that makes links between beads; what is not overridden, it does not do.
+
+    Its annotated fields are its keys in a scene; an entry point of ``granchain.ingredients`` gives its own key.
+
+    Examples:
+        >>> class Bed(Ingredient):
+        ...     stiffness: float  # in units of m / T^2
+        ...     def links(self, setting: Setting) -> tuple[Ground, ...]:
+        ...         return (Ground("bed", laws.spring.Linear(self.stiffness)),)
+        >>> [bed] = Bed(stiffness=0.2).links(granchain.load("one-chain").setting)
+        >>> bed.strain(np.array([[0.0, 0.3]]))  # [chain, bead], in units of L
+        array([[0. , 0.3]])
+    """
 
     takes_away: ClassVar[frozenset[Fact]] = frozenset()
     """What no longer holds where any of its links exist."""

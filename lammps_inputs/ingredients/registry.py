@@ -2,6 +2,12 @@
 
 The environment variable ``GRANCHAIN_INGREDIENTS`` may name modules (``mine,theirs``) with ingredients and laws of a
 user's own that are not installed, each with a dictionary ``INGREDIENTS`` from keys of a scene to classes.
+
+Examples:
+    >>> registry.INGREDIENTS["walls"].__name__
+    'Walls'
+    >>> sorted(registry.SEVERAL)
+    ['drive', 'kick', 'push', 'replace', 'resonators']
 """
 
 import importlib

@@ -282,7 +282,12 @@ def _rows(setting: Setting) -> tuple[tuple[str, ...], ...]:
 
 
 def radii(setting: Setting) -> Floats:
-    """Radius of each bead, [chain, bead], over that of the reference bead."""
+    """Radius of each bead, [chain, bead], over that of the reference bead; dimensionless.
+
+    Examples:
+        >>> radii(granchain.load("tapered-chain").setting)[0, [0, -1]].round(3)
+        array([1.   , 0.681])
+    """
     return _beads(setting)[1]
 
 

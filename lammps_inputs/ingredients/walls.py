@@ -4,6 +4,10 @@ How hard a wall is, over a contact of two of the beads (Hertz 1882; Johnson, Con
 bead like the others, fixed; sqrt(2) for the flat face of a block of their material, whose curvature is half as
 large; 2 sqrt(2) if that is also rigid. Where beads differ, all of this is about the bead that meets the wall. Of
 contacts of other laws only the held bead is known, or a stiffness for a power of the overlap.
+
+Examples:
+    >>> walls.STRENGTHS["bead"], round(walls.STRENGTHS["rigid"], 3)
+    (1.0, 2.828)
 """
 
 import math

@@ -32,6 +32,15 @@ They are written without branches, so that NumPy takes them as they are and the 
 vector instructions. Methods ``along``, ``across`` and ``ground``, where a law has them, spell it in LAMMPS on that kind
 of link (`lammps_inputs.links`). They take the link's name, ``across`` a `LinksAcross` whose edges become bonds, and the
 `BeadLayout`, both of `lammps_inputs.deck_lines`. Nothing here depends on scenes or problems.
+
+Examples:
+    >>> contacts = granchain.load("one-chain").problem().system.along[0].law
+    >>> laws.exponent(contacts), laws.strength(contacts)
+    (1.5, 1.0)
+    >>> laws.force(contacts, np.array([0.0, 1.0, 4.0]))
+    array([0., 1., 8.])
+    >>> laws.rest(contacts), laws.load(contacts)  # nothing is loaded at rest
+    (0.0, 0.0)
 """
 
 import functools

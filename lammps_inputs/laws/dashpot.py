@@ -16,6 +16,13 @@ counts. Where a dashpot pulls harder than the contact pushes, so does their sum;
 ``tensile_limit`` the sum is never tensile, with `NO_LIMIT` it may be.
 
 The dashpot of a wall is one of the contacts': any of the three, so that coefficients of two are 0.
+
+Examples:
+    >>> damper = granchain.load("damped-contacts").problem().system.dampers[0].law
+    >>> float(dashpot.resistance(damper, 1.0)), dashpot.cut(damper)
+    (0.01, False)
+    >>> round(dashpot.alpha(0.9), 4)  # coefficient of the dashpot for a restitution of 0.9
+    0.0749
 """
 
 import math

@@ -1,7 +1,18 @@
 """Laws that LAMMPS computes from a formula: an energy (along chains, between them) or a force (to the ground).
 
-``s`` in a formula is the strain, names of a law's parameters are these, each one number. In the body of a law:
-``along = formula.along("strength*(0.4*s^2.5+b*s^3.5/3.5)")``.
+``s`` in a formula is the strain, names of a law's parameters are these, each one number. `along`, `across` and
+`ground` make methods of a law: ``along = formula.along("strength*(0.4*s^2.5+b*s^3.5/3.5)")``.
+
+Examples:
+    >>> from typing import NamedTuple
+    >>> class Quintic(NamedTuple):
+    ...     quintic: float
+    ...     ground = formula.ground("quintic*s^5")
+    >>> for line in Quintic(0.1).ground("bed", granchain.load("one-chain").problem().layout).motion:
+    ...     print(line)
+    variable bedstrain atom x-((id-1)%120+1)*4
+    variable bed atom -(0.1*v_bedstrain^5)
+    fix bed all addforce v_bed 0.0 0.0
 """
 
 import re

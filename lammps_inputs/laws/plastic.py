@@ -203,6 +203,10 @@ def restitution_of(velocity: Any, yield_velocity: Any) -> Any:
     Args:
         velocity: relative velocity with which they approach.
         yield_velocity: relative velocity from which they yield, ``(0.8 A delta_y^2.5 / mu)^0.5`` with the reduced mass.
+
+    Examples:
+        >>> restitution_of(np.array([0.5, 1.0, 10.0]), yield_velocity=1.0).round(3)
+        array([1.   , 1.   , 0.659])
     """
     q = np.minimum(np.asarray(yield_velocity) / velocity, 1.0)
     square = q * q

@@ -36,7 +36,14 @@ def lowest_modal_frequency(chains: int, kappa: float) -> float:
 
 
 THETA_OF_EQ_5 = (math.pi + 2.0) / 4.0
-"""theta at which bead 1 of chain 1 meets bead 2 at omega t = pi / 2, with 1/2 V: 1.2854."""
+"""theta at which bead 1 of chain 1 meets bead 2 at omega t = pi / 2, with 1/2 V: 1.2854.
+
+Examples:
+    >>> system = granchain.load("two-chains-gapped").problem().system
+    >>> theta = np.sqrt(2.0 * physics.kappa(system)) * physics.gap(system)
+    >>> bool(abs(theta - THETA_OF_EQ_5) < 1e-6)
+    True
+"""
 
 
 def theta(kappa: float, gap: float) -> float:

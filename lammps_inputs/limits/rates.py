@@ -8,6 +8,13 @@ first guess of a pilot run (`workflow.prepare`), and the time step where none is
 time, for every part of the motion keeps its shape and falls behind or runs ahead at a steady rate. A row of coupled
 beads that oscillates about its mean with angular frequency omega is late, in velocity Verlet, by ``omega**3 * step**2
 / 24`` a unit of time.
+
+Examples:
+    >>> system = granchain.load("two-chains").problem().system
+    >>> round(rates.stability_bound(system), 3), round(rates.front_speed(system), 3)  # T, beads / T
+    (0.786, 1.0)
+    >>> round(rates.modal_frequency(system), 3)  # 1 / T
+    0.447
 """
 
 import math

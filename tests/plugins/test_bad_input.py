@@ -1,9 +1,8 @@
-"""What no study can use: one line that says what is wrong, exit code 2, and nothing written."""
-
-from typing import Any
+"""What no command of a plug-in can use: one line that says what is wrong, exit code 2, and nothing written."""
 
 import pytest
-from refusals import assert_command_line_is_refused, assert_file_is_refused
+from plug_ins import needs
+from refusals import assert_command_line_is_refused
 from sweeps import SMALL
 
 from lammps_inputs import strict_yaml
@@ -36,6 +35,13 @@ COMMAND_LINES = [
     ("trade s.yaml -o out --budget nan", "above 0"),
     ("gallery dimer -o out", "did you mean `dimers`?"),
     ("extremes exponent -o out", "extremes: 'exponent' given (did you mean `exponents`?)"),
+    ("help coupliing", "did you mean `coupling`?"),
+    ("view .", "neither a run nor a sweep"),
+]
+CASES = [
+    pytest.param(words, says, id=words, marks=needs("pages" if command == "view" else command))
+    for words, says in COMMAND_LINES
+    for command in words.split()[:1]
 ]
 
 FILES = {
@@ -45,41 +51,6 @@ FILES = {
 }
 
 
-@pytest.mark.parametrize(("words", "says"), COMMAND_LINES, ids=[words for words, _ in COMMAND_LINES])
+@pytest.mark.parametrize(("words", "says"), CASES)
 def test_a_command_line_that_makes_no_sense_is_one_line_and_nothing_is_written(words, says, tmp_path, capsys):
     assert_command_line_is_refused(words, says, FILES, tmp_path, capsys)
-
-
-DESIGN = {
-    "scene": {**SMALL, "walls": {"right": "rigid"}},
-    "vary": {"coupling.stiffness": [0.02, 0.1], "beads": {"from": 8, "to": 14}},
-    "minimize": "wall_force",
-    "where": {"mass": {"from": 20}},
-}
-
-DESIGNS: list[tuple[Any, str]] = [
-    ("", "is empty; a design needs a `scene`, what may `vary`, and what to `minimize` or `maximize`"),
-    ("name: a\nbeads: 9\n", "looks like a scene, not a design; `granchain run FILE -o DIR` takes it"),
-    ("scene: two-chains\nvary: {gap: [1, 2]}\nminimise: delay\n", "did you mean `minimize`?"),
-    ({"minimize": "wall_farce"}, "minimize: 'wall_farce' is no quantity (did you mean `wall_force`?)"),
-    ({"maximize": "delay"}, "give either minimize or maximize"),
-    ({"vary": {"couplng.stiffness": [1, 2]}}, "did you mean `coupling.stiffness`?"),
-    ({"vary": {"beads": {"from": 8, "to": 10.5}}}, "vary.beads: takes whole numbers"),
-    ({"vary": {"beads": {"from": 9, "to": 8}}}, "the smaller first"),
-    ({"vary": {"beads": [9]}}, "two choices or more"),
-    ({"vary": {"pattern": {"of": ["a", "b"]}}}, "vary.pattern.places: is missing"),
-    (
-        {"vary": {"coupling.rows": {"from": 1, "to": 4, "places": 0}}},
-        "places: should be greater than or equal to 1",
-    ),
-    ({"where": {"mass": {}}}, "where.mass: give from, to or both"),
-    ({"where": {"mass": {"from": 160, "to": 152}}}, "where.mass: goes from 160 to 152; the smaller first"),
-    ({"where": {"weight": {"to": 1}}}, "where: 'weight' is no quantity"),
-    ({"scene": "two-chain"}, "did you mean `two-chains`?"),
-]
-
-
-@pytest.mark.parametrize(("content", "says"), DESIGNS, ids=[says for _, says in DESIGNS])
-def test_a_bad_design_is_one_line_that_names_its_file_and_nothing_is_written(content, says, tmp_path, capsys):
-    text = content if isinstance(content, str) else strict_yaml.dump({**DESIGN, **content})
-    assert_file_is_refused("design", text, says, tmp_path, capsys)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from declared_studies import declared_studies
+from plug_ins import needs
 from pool_here import answers
 from processes import HANGS, children, started, wait_until
 from sweeps import GRANCHAIN, SMALL
@@ -19,7 +20,7 @@ from workflow.workers.pool import Pool
 
 
 @pytest.mark.slow
-@pytest.mark.skipif("extremes" not in plugins.declared("studies"), reason="extremes is not installed")
+@needs("extremes")
 def test_ctrl_c_keeps_what_was_computed_and_leaves_neither_processes_nor_files_on_the_way(tmp_path):
     work, out = tmp_path / "tmp", tmp_path / "out"
     work.mkdir()
@@ -50,7 +51,7 @@ SEARCHES = {
 
 
 @pytest.mark.usefixtures("pool_here")
-@pytest.mark.parametrize("command", sorted(SEARCHES.keys() & plugins.declared("studies")))
+@pytest.mark.parametrize("command", [pytest.param(name, marks=needs(name)) for name in SEARCHES])
 def test_a_study_that_was_interrupted_keeps_what_it_computed_and_ends_as_one_that_was_not(
     command, tmp_path, monkeypatch, capsys
 ):

@@ -63,6 +63,7 @@ CLOCK = {
     "versions",
     "version",
     "command",
+    "history",
 }
 """Keys of JSON that say when and where; those with `seconds` say how long."""
 
@@ -76,6 +77,7 @@ NOISE = (
     r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}|\bp\d{4,}\b",  # names of Bokeh's models
     r"compiling the [^\n]*\n",
     r"data:image/png;base64,[^\"']*",
+    r'"history": "[^"]*"',
 )
 """Patterns of text that depend on the clock, the machine or the version."""
 
@@ -85,6 +87,8 @@ EXPECTED = {
     "threshold-rows: *": "beat_length of resonators of some rows is that of analyze",
     "sweep-*: collect.txt[[][2-9]]": "times of the engine",
     "sweep-*: swept/view.html[[]*": "data of the page, with times of the engine",
+    "run-*: run/against-reference.html[[]*": "times of the engine",
+    "run-*: run/validation.html[[]*": "order of tools, a set, in Bokeh's data",
     "trade: out/trade.csv": "what the time allows",
     "trade: out/trade.csv[[]*[]][[][89][]]": "first run and front of times",
     "trade: out/trade.json.engines*.first": "time of the first run",

@@ -3,8 +3,9 @@
 A plug-in is a folder of ``workflow/plugins``, with its tests in ``tests/plugins``. Without names, or with ``all``, all
 plug-ins are deleted. The tests, the fast ones unless arguments say otherwise, run in a copy of the tree that has
 neither the folders of these plug-ins nor their tests, and does not declare them in ``pyproject.toml``. A plug-in that
-imports a deleted one is deleted, too. ``--list`` prints which plug-ins import which, and the files of the core and
-tests of other parts that import one: these break without it.
+imports a deleted one is deleted, too. Tests of others that need a deleted one are skipped by its name (`plug_ins`).
+``--list`` prints which plug-ins import which, and the files of the core and tests of other parts that import one: these
+break without it.
 """
 
 import ast
@@ -119,7 +120,11 @@ def main(arguments: list[str]) -> int:
         copy.chmod(0o755)  # tests that give up root still read it
         copy_without(deleted, copy)
         # before the installation in the order of imports, and so are its entry points
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(copy), str(copy / "workflow" / "python")])}
+        environment = {
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join([str(copy), str(copy / "workflow" / "python")]),
+            "GRANCHAIN_TESTS_WITHOUT": " ".join(sorted(deleted)),  # for `plug_ins`
+        }
         return subprocess.run([sys.executable, "-m", "pytest", *rest], cwd=copy, env=environment).returncode
 
 

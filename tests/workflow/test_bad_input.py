@@ -55,8 +55,6 @@ COMMAND_LINES = [
     *((f"run --resume here {words}", RESUMED) for words in ("two-chains", "-o x", "--engine lammps", "--overwrite")),
     ("run --resume here --force", RESUMED),
     ("analyze run --formats png,tiff", "'png,tiff' given; of png, pdf, svg, with commas between"),
-    ("help coupliing", "did you mean `coupling`?"),
-    ("view .", "neither a run nor a sweep"),
     ("collect .", "holds no run directories; `granchain sweep` makes some"),
     ("collect nowhere", "no such directory"),
 ]

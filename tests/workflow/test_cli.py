@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from bad_scenes import scene_text
+from plug_ins import needs
 from processes import HANGS
 from refusals import refusal, tree
 from stock_lammps import scene
@@ -274,7 +275,7 @@ def test_a_command_whose_output_is_lost_writes_its_files_and_says_so_in_one_line
 
 
 @REASONS
-@pytest.mark.parametrize("words", [["scenes"], ["show", "two-chains"], *[["schema"]] * ("schema" in COMMANDS)])
+@pytest.mark.parametrize("words", [["scenes"], ["show", "two-chains"], pytest.param(["schema"], marks=needs("schema"))])
 def test_a_command_that_only_prints_fails_where_it_cannot(words, why, capsys):
     with no_output(why):
         assert main(words) == 1

@@ -24,7 +24,6 @@ CALLS = {
     "collect": lambda _, run: granchain.collect(run.parent),
     "plot": lambda _, run: granchain.plot(granchain.collect(run.parent), "peak_velocity", "kick.velocity"),
     "statistics": lambda _, run: granchain.statistics(granchain.collect(run.parent), "peak_velocity"),
-    "view": lambda _, run: granchain.view(run),
     "sweep": lambda path, _: granchain.sweep(SWEEP, path / "new", jobs=2),
     "main, done": lambda path, _: main(["run", "one-chain", "-o", str(path / "new"), "--engine", "reference"]),
     "main, refused": lambda path, _: main(["analyze", str(path)]),
@@ -49,7 +48,7 @@ def ran(tmp_path_factory):
 def test_every_public_function_is_asked():
     public = set(dir(granchain)) - plugins.declared("functions").keys()
     functions = {name for name in public if isinstance(getattr(granchain, name), FunctionType)}
-    assert {name for name in CALLS if not name.startswith("main")} == {*functions, "view"}
+    assert {name for name in CALLS if not name.startswith("main")} == functions
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in CALLS])

@@ -1,6 +1,13 @@
 """What an engine is: what computes a run in a directory that was prepared for it, and what it refuses.
 
 Each is an entry point of the group ``granchain.engines``: place in lists, and name = instance of `Engine`.
+
+Examples:
+    >>> reference = engines.engine_called("reference")
+    >>> isinstance(reference, engines.Engine), reference.title
+    (True, 'the reference integrator')
+    >>> reference.refused_ranks(2, granchain.load("one-chain").problem().system)
+    "the engine 'reference' runs on one core; 2 given"
 """
 
 from abc import ABC, abstractmethod
@@ -183,6 +190,14 @@ def engine_called(name: str) -> Engine:
 
     Raises:
         InputError: there is none.
+
+    Examples:
+        >>> engine_called("reference").title
+        'the reference integrator'
+        >>> engine_called("refrence").title
+        Traceback (most recent call last):
+            ...
+        lammps_inputs.errors.InputError: --engine: 'refrence' given; lammps, reference or collisions
     """
     engine: Engine = load_engine(name)
     return engine

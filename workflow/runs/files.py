@@ -186,6 +186,12 @@ def complete(path: Path, *, directory: bool = False, named: Path | None = None) 
 
     Raises:
         EndedError: it cannot be written; what was there before still is.
+
+    Examples:
+        >>> with complete(tmp / "table.csv") as path:
+        ...     size = path.write_text("bead, time")
+        >>> (tmp / "table.csv").read_text()
+        'bead, time'
     """
     try:
         remove_abandoned(path.parent)
@@ -221,7 +227,13 @@ def write_bytes(path: Path, content: bytes) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file whole or not at all."""
+    """Write a text file whole or not at all.
+
+    Examples:
+        >>> write_text(tmp / "note.txt", "12 cases")
+        >>> (tmp / "note.txt").read_text()
+        '12 cases'
+    """
     write_bytes(path, text.encode("utf-8"))
 
 

@@ -13,7 +13,13 @@ from workflow.runs.engines import Progress
 def write_frames(
     dump: Path, problem: Problem, blocks: Iterable[Trajectory], progress: Progress | None = None
 ) -> dict[str, Any]:
-    """Write frames as LAMMPS would, to the end or to Ctrl-C; how it ended."""
+    """Write frames as LAMMPS would, to the end or to Ctrl-C; how it ended.
+
+    Examples:
+        >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 5.0}).problem()
+        >>> write_frames(tmp / "chains.dump.bin", problem, engine.blocks(problem))
+        {'outcome': 'done', 'steps_done': 350}
+    """
     step = 0
     with Writer(dump, problem) as writer:
         try:

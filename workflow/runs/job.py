@@ -2,6 +2,14 @@
 
 One type, one function that reads it and one that changes it. It is read strictly: the file may be damaged, or somebody
 else's. What a run directory is besides follows from it, from the frames and from the locks (`workflow.runs.status`).
+
+Examples:
+    >>> job.update(tmp, outcome="failed", reason="the disk is full")
+    >>> record = job.load(tmp / "run.json")
+    >>> record.outcome, record.plain()["reason"]
+    ('failed', 'the disk is full')
+    >>> job.load(tmp / "absent.json").outcome is None
+    True
 """
 
 import functools

@@ -1,4 +1,12 @@
-"""The run of a directory as an `xarray.Dataset`, with its error and its origin as attributes."""
+"""The run of a directory as an `xarray.Dataset`, with its error and its origin as attributes.
+
+Examples:
+    >>> labelled.need("export", "numpy")
+    >>> labelled.need("export", "no_such_module")
+    Traceback (most recent call last):
+        ...
+    lammps_inputs.errors.InputError: export: needs no_such_module, not installed here; `pip install 'granchain[export]'`
+"""
 
 import importlib.util
 import json

@@ -5,6 +5,12 @@ new or empty directory, or replaces an earlier one whose directory holds nothing
 a folder of that directory. One rename of the folder decides for them; then the earlier files are removed and the new
 ones moved to their place, after a kill by the next command. The directory itself is never moved: a user may stand in
 it, and it may be a mount point. Folders of ours stay.
+
+Examples:
+    >>> output_directory.make_directory(tmp / "study")
+    >>> output_directory.record_files(tmp / "study", ["table.csv"])
+    >>> job.load(tmp / "study" / "run.json").files
+    ['run.json', 'table.csv']
 """
 
 import os

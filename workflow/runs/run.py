@@ -138,6 +138,12 @@ def run(
     Raises:
         InputError: the directory, engine, number of ranks or time step cannot be used.
         RunError: the run failed; ``run.json`` says why.
+
+    Examples:
+        >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 5.0})
+        >>> done = run(scene, tmp / "done", engine="reference")
+        >>> done.outcome, done.trajectory.frames
+        ('done', 51)
     """
     ready = prepare_run(scene, directory, engine=engine, ranks=ranks, overwrite=overwrite, force=force)
     return run_prepared(ready, progress=progress, **options)

@@ -44,7 +44,19 @@ KEPT_BYTES = 1 << 24
 
 @dataclass(frozen=True)
 class RunDirectory:
-    """An existing run directory, also one that came back from a cluster without ``run.json``."""
+    """An existing run directory, also one that came back from a cluster without ``run.json``.
+
+    Attributes:
+        path: the directory.
+
+    Examples:
+        >>> scene_files.write(granchain.load("one-chain"), tmp)
+        >>> directory = RunDirectory(tmp)
+        >>> directory.scene, directory.problem.frames
+        (<scene one-chain: 1 chain of 120 beads>, 1600)
+        >>> directory.engine, directory.failure
+        ('lammps', '')
+    """
 
     path: Path
 

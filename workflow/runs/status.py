@@ -10,6 +10,15 @@ group ``granchain.queues``: modules with
 - ``submission(directory)``: how the directory's job is submitted, in words; None where it holds no job.
 
 Nothing is written. Half-written and damaged files raise nothing here: what cannot be read is skipped.
+
+Examples:
+    >>> scene_files.write(granchain.load("one-chain"), tmp)
+    >>> status.status(tmp).state
+    'written'
+    >>> status.Reached(tmp).steps
+    32000
+    >>> status.Queue("cluster", [status.Queued("17", True, tmp)]).job("17").waiting
+    True
 """
 
 import platform

@@ -45,10 +45,9 @@ TOO_COARSE = "frames are so far apart that its uncertainty exceeds a twentieth o
 class WavesTable(Waves):
     """Leading wave of each chain at each bead that it reached: ``waves.csv``, sorted by chain, then bead.
 
-    Examples:
-        >>> waves = granchain.analyze("out").waves
-        >>> waves.at(20).peak_velocity.round(3), waves.at(20).lag.round(3)  # of both chains, in the scene's units
-        (array([0.335, 0.399]), array([ 0.   , -0.437]))
+    >>> waves = granchain.analyze("out").waves
+    >>> waves.at(20).peak_velocity.round(3), waves.at(20).lag.round(3)  # of both chains, in the scene's units
+    (array([0.335, 0.399]), array([ 0.   , -0.437]))
     """
 
     lag: Floats = declare("arrival behind the wave of the kicked chain", "time", "either arrival is undefined")

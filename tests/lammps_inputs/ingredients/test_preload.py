@@ -1,12 +1,11 @@
 """Precompression and gravity: sound, readings, time steps; the motion is in `test_every_ingredient`."""
 
 import json
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from ingredient_scenes import COLUMN, HELD, STEEL
+from ingredient_scenes import COLUMN, HELD
 from plain_scene import scene
 from wrong_runs import causes
 
@@ -19,7 +18,6 @@ from workflow.measures.forces.force_meter import ForceMeter
 from workflow.prepare import pilot
 from workflow.prepare.settings import settle
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -69,33 +67,6 @@ def test_a_load_of_nearly_nothing_changes_nearly_nothing():
     slight, none = (loaded(**keys, beads=20).problem() for keys in ({"precompression": {"force": 1e-9}}, {}))
     difference = engine.run(slight).velocity - engine.run(none).velocity
     assert 0.0 < np.abs(difference).max() < 1e-5
-
-
-def test_sound_of_the_steel_beads_at_one_newton_runs_at_369_metres_a_second(tmp_path):
-    beads, mode = 40, 2
-    case = loaded(
-        material=STEEL,
-        beads=beads,
-        precompression={"force": 1.0},
-        kick=[{"bead": 1, "velocity": 1e-6}, {"bead": beads, "velocity": 1e-6}],
-        duration=4e-3,
-        output={"every": 1e-5},
-        timestep=5e-7,
-    )
-    run(case, tmp_path / "run", check=False)
-    sound = analyse(RunDirectory(tmp_path / "run"), figures=False).measurements["sound"].values.pulse
-    assert sound is not None
-    report = json.loads((tmp_path / "run" / "analysis.json").read_text())["sound"]
-    assert report["metres"][0] == pytest.approx(369.2, abs=0.05)
-    # the slowest even standing wave of the free chain, frequency 2 c0 sin(q / 2)
-    motion = RunDirectory(tmp_path / "run").trajectory
-    q = math.pi * mode / beads
-    swing = motion.velocity[:, 0] @ np.cos(q * (np.arange(beads) + 0.5))
-    zero = np.flatnonzero(np.diff(np.sign(swing)))
-    time = motion.time[zero] + motion.problem.every * swing[zero] / (swing[zero] - swing[zero + 1])
-    omega = math.pi * (len(zero) - 1) / (time[-1] - time[0])
-    metres = omega / (2.0 * math.sin(q / 2.0)) / case.scale.time * 2.0 * STEEL["radius"]
-    assert metres == pytest.approx(369.2, rel=1e-4)
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from plug_ins import needs
 
 from lammps_inputs import InputError, Scene
 from lammps_inputs.library import from_plain
@@ -81,6 +82,7 @@ def case_of(excitation: str, output: str) -> Scene:
 
 
 @pytest.mark.slow
+@needs("pages")
 @pytest.mark.parametrize(("excitation", "output", "engine"), CASES)
 def test_what_a_scene_accepts_is_run_analysed_shown_and_exported(
     excitation: str, output: str, engine: str, tmp_path: Path

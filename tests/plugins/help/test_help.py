@@ -7,6 +7,7 @@ import sys
 from types import SimpleNamespace
 
 import pytest
+from plug_ins import needs
 from processes import HANGS
 
 from lammps_inputs import InputError, Scene
@@ -39,6 +40,7 @@ NAMES = {
     ],
     "words of choices": vocabulary.words(),
 }
+NETCDF = pytest.param("netcdf", marks=needs("export"))
 
 
 def explanation(word, capsys):
@@ -64,7 +66,7 @@ def test_every_word_that_help_lists_is_explained(kind, capsys):
     assert unexplained == []
 
 
-@pytest.mark.parametrize("word", ["vary", "pilot", "tension", "combine", "netcdf", "--no-check", "steel", "two-chains"])
+@pytest.mark.parametrize("word", ["vary", "pilot", "tension", "combine", NETCDF, "--no-check", "steel", "two-chains"])
 def test_a_word_is_explained_in_place_of_a_reference_to_where_it_is(word, capsys):
     assert main(["help", word]) == 0
     out = capsys.readouterr().out
@@ -79,7 +81,12 @@ def near(word):
 
 
 @pytest.mark.parametrize(
-    "word", ["kappa", "theta", "coupling", "restitution", "--restart-every", "amplitude", "netcdf", "lyapunov", "steel"]
+    "word",
+    [
+        *("kappa", "theta", "coupling", "restitution", "--restart-every", "amplitude", "steel"),
+        NETCDF,
+        pytest.param("lyapunov", marks=needs("lyapunov")),
+    ],
 )
 def test_a_near_miss_is_suggested_whatever_kind_of_word_it_is(word, capsys):
     for misspelt in (near(word), near(word).upper()):
@@ -99,7 +106,7 @@ def test_every_near_miss_is_explained_or_suggested(kind, capsys):
     assert bare == []
 
 
-@pytest.mark.parametrize("name", ["sweep", "design"])
+@pytest.mark.parametrize("name", ["sweep", pytest.param("design", marks=needs("design"))])
 def test_help_of_a_command_shows_the_file_that_it_takes(name, capsys):
     with pytest.raises(SystemExit):
         main([name, "--help"])

@@ -2,11 +2,14 @@
 
 from pathlib import Path
 
+from plug_ins import needs
+
 from workflow.plugins.help.quantities import explained, manual
 
 PAGE = Path(__file__).parents[3] / "analysis" / "QUANTITIES.md"
 
 
+@needs("rigid", "sound")
 def test_the_manuals_page_is_what_the_types_declare():
     assert PAGE.read_text(encoding="utf-8") == manual(), (
         "python -m workflow.plugins.help.quantities > analysis/QUANTITIES.md"

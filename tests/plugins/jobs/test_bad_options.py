@@ -5,6 +5,7 @@ from refusals import assert_command_line_is_refused
 from sweeps import SMALL
 
 from lammps_inputs import strict_yaml
+from workflow.plugins.jobs.registry import SCHEDULERS
 
 DECK = "deck two-chains -o out"
 
@@ -12,7 +13,7 @@ COMMAND_LINES = [
     (f"{DECK} --nodes 2", "--nodes: is for a job; add --slurm"),
     (f"{DECK} --module gcc", "--module: is for a job; add --slurm"),
     (f"{DECK} --site x.yaml", "--site: is for a job; add --slurm"),
-    (f"{DECK} --scheduler lsf", "--scheduler: invalid choice: 'lsf' (choose from 'slurm', 'pbs', 'sge')"),
+    (f"{DECK} --scheduler cron", f"--scheduler: invalid choice: 'cron' (choose from {str([*SCHEDULERS])[1:-1]})"),
     (f"{DECK} --scheduler pbs --partition a,b", "--partition: PBS Professional takes one queue, 'a,b' given"),
     (f"{DECK} --slurm --site nowhere.yaml", "nowhere.yaml: no such file"),
     (f"{DECK} --slurm --time 90", "--time: should be HH:MM:SS or D-HH:MM:SS, from a minute to a year ('90' given)"),

@@ -13,18 +13,18 @@ MODULE = """
 from dataclasses import replace
 from workflow.plugins.jobs.schedulers import PBS
 
-LSF = replace(PBS, title="LSF", submit="bsub <", script="job.lsf", queue=lambda ask: None)
+OAR = replace(PBS, title="OAR", submit="oarsub -S", script="job.oar", queue=lambda ask: None)
 """
 
 
 @pytest.fixture
 def granchain(tmp_path):
-    """The command beside a distribution that declares the scheduler `lsf`."""
-    metadata = tmp_path / "site" / "lsf_jobs-1.0.dist-info"
+    """The command beside a distribution that declares the scheduler `oar`."""
+    metadata = tmp_path / "site" / "oar_jobs-1.0.dist-info"
     metadata.mkdir(parents=True)
-    (metadata / "METADATA").write_text("Metadata-Version: 2.3\nName: lsf-jobs\nVersion: 1.0\n")
-    (metadata / "entry_points.txt").write_text("[granchain.schedulers]\nlsf = lsf_jobs:LSF\n")
-    (tmp_path / "site" / "lsf_jobs.py").write_text(MODULE)
+    (metadata / "METADATA").write_text("Metadata-Version: 2.3\nName: oar-jobs\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text("[granchain.schedulers]\noar = oar_jobs:OAR\n")
+    (tmp_path / "site" / "oar_jobs.py").write_text(MODULE)
     paths = [str(tmp_path / "site"), *filter(None, [os.environ.get("PYTHONPATH")])]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "HOME": str(tmp_path)}
 
@@ -38,6 +38,6 @@ def granchain(tmp_path):
 @pytest.mark.slow
 def test_a_scheduler_of_another_distribution_writes_its_script_and_its_jobs_have_states(granchain, tmp_path):
     (tmp_path / "s.yaml").write_text(strict_yaml.dump({**SMALL, "timestep": 0.01}))
-    assert "`bsub < job.lsf` there submits the job" in granchain("deck", "s.yaml", "-o", "job", "--scheduler", "lsf")
-    assert (tmp_path / "job" / "job.lsf").is_file()
-    assert granchain("status", "job") == "job: written: `bsub < job.lsf` there starts it\n"
+    assert "`oarsub -S job.oar` there submits the job" in granchain("deck", "s.yaml", "-o", "job", "--scheduler", "oar")
+    assert (tmp_path / "job" / "job.oar").is_file()
+    assert granchain("status", "job") == "job: written: `oarsub -S job.oar` there starts it\n"

@@ -113,6 +113,12 @@ def test_a_job_is_at_most_sixty_three_lines_of_shell_beside_its_requests_and_com
     subprocess.run(["bash", "-n"], input=script, text=True, check=True)
 
 
+*_OTHERS, _LAST = map(repr, SCHEDULERS)
+
+NAMES = f"{', '.join(_OTHERS)} or {_LAST}"
+"""All names of schedulers, as a message lists them."""
+
+
 @pytest.mark.parametrize(
     ("options", "says"),
     [
@@ -129,7 +135,7 @@ def test_a_job_is_at_most_sixty_three_lines_of_shell_beside_its_requests_and_com
             "parallel_environment: Slurm has no such option; it has partition, account, qos, constraint",
         ),
         ({"scheduler": "pbs", "partition": "a,b"}, "partition: PBS Professional takes one queue, 'a,b' given"),
-        ({"scheduler": "lsf"}, "scheduler: should be 'slurm', 'pbs' or 'sge', 'lsf' given"),
+        ({"scheduler": "cron"}, f"scheduler: should be {NAMES}, 'cron' given"),
     ],
     ids=str,
 )
@@ -233,9 +239,9 @@ NEXT = {"pbs": "18.master.site", "sge": "18"}
 NEXT_TASK = {"pbs": "18[].master.site", "sge": "18.2-2:1"}
 
 
-def test_every_scheduler_but_slurm_has_its_answers_here():
+def test_every_scheduler_of_the_table_but_slurm_has_its_answers_here():
     """A new one needs a line in NEXT, NEXT_TASK and `Shell.environment`; Slurm runs in `test_slurm.py`."""
-    assert NEXT.keys() == NEXT_TASK.keys() == SCHEDULERS.keys() - {"slurm"}
+    assert NEXT.keys() == NEXT_TASK.keys() == schedulers.OURS.keys() - {"slurm"}
 
 
 @pytest.mark.slow

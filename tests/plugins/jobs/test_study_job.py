@@ -4,6 +4,7 @@ import json
 
 import measured
 import pytest
+from plug_ins import needs
 
 from lammps_inputs import strict_yaml
 from workflow.cli import main
@@ -31,6 +32,7 @@ def design_file(directory):
     return path
 
 
+@needs("design")
 def test_a_design_and_a_fit_are_jobs_on_one_node_that_say_what_they_ask_for(tmp_path, capsys):
     path = design_file(tmp_path)
     options = ["--slurm", "--time", "00:10:00", "--partition", "main"]
@@ -44,6 +46,7 @@ def test_a_design_and_a_fit_are_jobs_on_one_node_that_say_what_they_ask_for(tmp_
 
 
 @pytest.mark.slow
+@needs("design", "fit")
 def test_slurm_carries_out_a_design_and_a_fit(slurm, tmp_path):
     path = design_file(tmp_path)
     assert main(["design", str(path), "-o", str(tmp_path / "d"), "--slurm", "--time", "00:10:00"]) == 0

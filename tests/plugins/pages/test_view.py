@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from global_state import assert_state_remains
+from plug_ins import needs
 from refusals import refusal
 
 import granchain
@@ -108,7 +110,7 @@ RIGID = (GAPPED, "collisions", ("computed by the engine of rigid beads, granchai
 @pytest.mark.parametrize(
     ("scene", "engine", "sentences", "cites_lammps"),
     [
-        pytest.param(*RIGID, marks=pytest.mark.slow),
+        pytest.param(*RIGID, marks=[pytest.mark.slow, needs("rigid")]),
         (HELD, "reference", ("computed by the reference integrator", "<p>Equipartition does not apply: no"), False),
         (HELD, "lammps", ("computed by LAMMPS 2",), True),
     ],
@@ -185,6 +187,11 @@ def test_the_page_in_a_notebook_is_part_of_it_wherever_it_is_moved(ran, tmp_path
     page = look(tmp_path / "moved.html", waiting="frames[0].Bokeh && frames[0].Bokeh.documents[0]?.is_idle")
     assert page.frame_locator("iframe").get_by_role("heading").first.inner_text() == "seen: 2 x 20 beads"
     assert page.evaluate("frames[0].Bokeh.documents[0].get_model_by_name('traces').data.time.length") == 201
+
+
+def test_the_state_of_the_process_is_as_before(ran, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")  # bars of progress have threads
+    assert_state_remains(lambda: granchain.view(ran.directory.path), ran.directory.path)
 
 
 def test_a_large_page_in_a_notebook_is_a_link(ran, monkeypatch):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from bokeh.models import CheckboxGroup, GlyphRenderer, Range1d, Span
 from bokeh.plotting import figure
+from plug_ins import needs
 
 import granchain
 from analysis.figures.style import shown_chains
@@ -72,6 +73,7 @@ def pages(tmp_path_factory):
     return {name: Page(scene, tmp_path_factory.mktemp("pages") / name) for name, scene in SCENES.items()}
 
 
+@needs("sound")
 def test_a_page_has_the_plots_that_its_scene_has_measurements_for(pages):
     special = {"budget", "spectra", "dispersion", "phase"}
     assert {name: special & set(page.plots) for name, page in pages.items()} == {
@@ -100,6 +102,7 @@ def test_every_plot_over_time_has_a_line_at_the_time(pages):
             assert bool(lines) == any(label.startswith("time t") and plot.name != "arrivals" for label in labels)
 
 
+@needs("sound")
 def test_lines_of_theory_are_named_where_the_theory_applies_and_have_its_speed(pages):
     legends = {name: page.root.select_one({"type": CheckboxGroup, "name": "theory"}) for name, page in pages.items()}
     assert {name for name, legend in legends.items() if legend} == {"coupled", "loaded"}

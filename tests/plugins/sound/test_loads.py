@@ -1,7 +1,11 @@
 """Sound and pulses of runs on a static load."""
 
+import json
+import math
+
+import numpy as np
 import pytest
-from ingredient_scenes import COLUMN
+from ingredient_scenes import COLUMN, STEEL
 from plain_scene import scene
 
 from workflow.cli import main
@@ -9,6 +13,7 @@ from workflow.plugins.sound.dispersion import Dispersion
 from workflow.plugins.sound.loaded_pulse import LoadedPulse
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
+from workflow.verdicts.analyse import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -17,6 +22,33 @@ FREE = {"precompression": {"force": 0.3}}
 
 def loaded(**changes):
     return scene(**{"chains": 1, "coupling": None, "output": {"every": 0.25}, **changes})
+
+
+def test_sound_of_the_steel_beads_at_one_newton_runs_at_369_metres_a_second(tmp_path):
+    beads, mode = 40, 2
+    case = loaded(
+        material=STEEL,
+        beads=beads,
+        precompression={"force": 1.0},
+        kick=[{"bead": 1, "velocity": 1e-6}, {"bead": beads, "velocity": 1e-6}],
+        duration=4e-3,
+        output={"every": 1e-5},
+        timestep=5e-7,
+    )
+    run(case, tmp_path / "run", check=False)
+    sound = analyse(RunDirectory(tmp_path / "run"), figures=False).measurements["sound"].values.pulse
+    assert sound is not None
+    report = json.loads((tmp_path / "run" / "analysis.json").read_text())["sound"]
+    assert report["metres"][0] == pytest.approx(369.2, abs=0.05)
+    # the slowest even standing wave of the free chain, frequency 2 c0 sin(q / 2)
+    motion = RunDirectory(tmp_path / "run").trajectory
+    q = math.pi * mode / beads
+    swing = motion.velocity[:, 0] @ np.cos(q * (np.arange(beads) + 0.5))
+    zero = np.flatnonzero(np.diff(np.sign(swing)))
+    time = motion.time[zero] + motion.problem.every * swing[zero] / (swing[zero] - swing[zero + 1])
+    omega = math.pi * (len(zero) - 1) / (time[-1] - time[0])
+    metres = omega / (2.0 * math.sin(q / 2.0)) / case.scale.time * 2.0 * STEEL["radius"]
+    assert metres == pytest.approx(369.2, rel=1e-4)
 
 
 def test_linear_contacts_show_the_exact_band_in_a_run(tmp_path):

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 import stock_lammps
+from plug_ins import needs
 from refusals import refusal
 from stock_lammps import scene
 
@@ -32,7 +33,7 @@ def other_kick(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.parametrize("command", ["analyze", "validate", "view"])
+@pytest.mark.parametrize("command", ["analyze", "validate", pytest.param("view", marks=needs("pages"))])
 def test_frames_of_another_kick_are_an_error_that_names_it(
     other_kick: Path, capsys: pytest.CaptureFixture[str], command: str
 ) -> None:

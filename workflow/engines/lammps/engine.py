@@ -71,9 +71,7 @@ def run_deck(
     restart_every: float = RESTART_EVERY,
     lock: int | None = None,
 ) -> LammpsOutcome:
-    """Run the deck that stands in a directory to its end.
-
-    Ctrl-C ends it at the next segment, with every frame until then on disk, and a restart.
+    """Run the deck in a directory to its end; Ctrl-C ends it at the next segment, with frames and a restart on disk.
 
     Args:
         directory: holds the deck; frames and log are written there.
@@ -87,6 +85,10 @@ def run_deck(
     Raises:
         EndedError: LAMMPS was killed, or the disk is full.
         RunError: LAMMPS failed, or a state of the run is none that there can be (`worker.fault`).
+
+    Examples:
+        >>> run_deck(Path("deck"), problem=granchain.load("one-chain").problem()).end  # doctest: +SKIP
+        'done'
     """
     command = [sys.executable, "-P", "-m", "workflow.engines.lammps.worker", str(part), repr(float(restart_every))]
     if ranks > 1:

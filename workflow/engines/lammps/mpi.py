@@ -1,4 +1,11 @@
-"""What a process of LAMMPS needs: the MPI library and launcher that belong to it, cores, and its environment."""
+"""What a process of LAMMPS needs: the MPI library and launcher that belong to it, cores, and its environment.
+
+Examples:
+    >>> mpi.cores() >= 1
+    True
+    >>> mpi.environment()["OMP_NUM_THREADS"]
+    '1'
+"""
 
 import ctypes
 import importlib.metadata

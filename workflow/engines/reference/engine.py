@@ -1,4 +1,13 @@
-"""The in-house reference: a splitting scheme of high order on the rows that can move. Independent of LAMMPS."""
+"""The in-house reference: a splitting scheme of high order on the rows that can move. Independent of LAMMPS.
+
+Examples:
+    >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 5.0}).problem()
+    >>> trajectory = engine.run(problem)
+    >>> trajectory.velocity.shape  # [frame, chain, bead], in units of V
+    (51, 1, 20)
+    >>> engine.default_steps_per_frame(problem)
+    2
+"""
 
 import math
 from collections.abc import Iterator
@@ -275,7 +284,9 @@ def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False,
 
 
 def given_by_dashpots(system: System, x: Floats) -> Floats:
-    """Velocities that dashpots whose tension is not cut have given, [..., line, bead]; not of beads that are held.
+    """Velocities that dashpots whose tension is not cut have given, [..., line, bead] in units of V.
+
+    Those of beads whose motion is given are 0.
 
     Args:
         system: whose dashpots.
@@ -295,12 +306,14 @@ def given_by_dashpots(system: System, x: Floats) -> Floats:
 
 
 def velocity_of_state(system: System, x: Floats, v: Floats) -> Floats:
-    """Velocities of the kernel: less impulses of dashpots over masses where no tension is cut.
+    """Velocities of the kernel, [..., line, bead] in units of V.
+
+    Where no tension is cut, they lack the impulses of dashpots over masses.
 
     Args:
         system: whose.
         x: displacements, [..., line, bead] in units of L.
-        v: velocities, of that shape, in units of V.
+        v: velocities, [..., line, bead] in units of V.
     """
     if not system.dampers or any(dashpot.cut(link.law) for link in system.dampers):
         return v

@@ -14,6 +14,13 @@ LAMMPS instead takes the drag of the velocities that it has when forces are comp
 Energy that dashpots dissipate is counted along the way. A kick at fixed positions takes no energy from the motion but
 by their power, which is integrated as the velocities are. A drift at fixed w takes kinetic energy alone, and exactly
 that.
+
+Examples:
+    >>> system = granchain.load("one-chain").problem().system
+    >>> forces_of, parameters = kernel_inputs.make_terms(system, as_lammps=False, step=0.0)
+    >>> program = kernel.make_tangent_program(forces_of)
+    >>> callable(program.advance_tangent)  # compiled when it is called
+    True
 """
 
 import functools

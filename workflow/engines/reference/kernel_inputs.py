@@ -2,6 +2,14 @@
 
 Terms depend on which laws there are and on which of their parameters differ from link to link, not on any number: many
 systems have the same.
+
+Examples:
+    >>> system = granchain.load("two-chains").problem().system
+    >>> forces_of, parameters = kernel_inputs.make_terms(system, as_lammps=False, step=0.0)
+    >>> forces_of.contacts[0].law.__name__, forces_of.contacts[0].strain
+    ('Hertz', 'x[k - row_0] - x[k] - gap_1')
+    >>> len(forces_of.names) == len(parameters)
+    True
 """
 
 import itertools

@@ -3,6 +3,12 @@
 `VERLET` and `SUZUKI4` are step for step what LAMMPS does: with ``fix nve``, and with the decks' ``suzuki4``, Suzuki's
 composition of five velocity Verlet steps. `BLANES_MOAN` is the reference's own: a six-stage symmetric splitting of
 order 4, symplectic and time-reversible as all of them, with a small error constant.
+
+Examples:
+    >>> schemes.BLANES_MOAN.order, schemes.BLANES_MOAN.forces_per_step
+    (4, 6)
+    >>> schemes.VERLET.kicks, schemes.VERLET.drifts
+    ((0.5, 0.5), (1.0,))
 """
 
 from dataclasses import dataclass

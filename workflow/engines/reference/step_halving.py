@@ -35,6 +35,12 @@ class StepHalving:
         steps_per_frame: steps of the finer run from frame to frame, rounded up to an even number; by default
             `engine.default_steps_per_frame`.
         velocity_only: whether to leave the bounds on arrivals, energy and momentum NaN, which take most of the time.
+
+    Examples:
+        >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 5.0}).problem()
+        >>> halving = StepHalving(problem)
+        >>> sum(block.frames for block in halving.blocks()), halving.uncertainty.velocity < 1e-5
+        (51, True)
     """
 
     def __init__(self, problem: Problem, *, steps_per_frame: int | None = None, velocity_only: bool = False) -> None:

@@ -1,4 +1,4 @@
-"""Compute published results on granular chains and compare them with the publications, as an HTML statements.
+"""Compute published results on granular chains and compare them with the publications, as an HTML page.
 
 Entries are computed in parallel, each in a folder, then one page of all is written. The folder of an entry holds its
 runs, which a later start uses again, and its section of the page, which remains when only other entries are asked for.
@@ -19,7 +19,7 @@ FOLDER = "entries"
 
 
 class Sections(dict[str, statements.Section]):
-    """Name of an entry -> its section of the statements."""
+    """Name of an entry -> its section of the page."""
 
     def __repr__(self) -> str:
         return f"<gallery: {', '.join(self)[:150]}>"

