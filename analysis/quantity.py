@@ -35,6 +35,7 @@ Examples:
 
 import csv
 import io
+import math
 import typing
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
@@ -305,6 +306,27 @@ def to_csv(columns: Mapping[str, Iterable[Any]]) -> str:
     for row in zip(*values, strict=True):
         writer.writerow(["" if isinstance(entry, float) and known(entry) is None else entry for entry in row])
     return out.getvalue()
+
+
+def csv_of_rows(rows: Sequence[Mapping[str, Any]], head: Sequence[str] = ()) -> str:
+    """CSV of rows by column; numbers read back exactly, what is undefined is empty, what is infinite is ``inf``.
+
+    Args:
+        rows: column -> value.
+        head: the columns; by default those of the first row.
+
+    Returns:
+        The text, a line for each row.
+
+    Examples:
+        >>> quantity.csv_of_rows([{"coupling": 0.1, "rows": 58.0}, {"coupling": 0.0, "rows": None}]).splitlines()
+        ['coupling,rows', '0.1,58.0', '0.0,']
+    """
+    return to_csv({name: [_unbounded(row[name]) for row in rows] for name in head or rows[0]})
+
+
+def _unbounded(value: Any) -> Any:
+    return str(value) if isinstance(value, float) and math.isinf(value) else value
 
 
 def structured(columns: Mapping[str, NDArray[Any]]) -> NDArray[np.void]:

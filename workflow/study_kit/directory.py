@@ -22,7 +22,6 @@
 """
 
 import contextlib
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -63,7 +62,8 @@ class Study:
     Examples:
         >>> study = Study("scan", result="scan.csv is the table", tables=("scan.csv",), cache="cases.jsonl")
         >>> with study.opened(tmp / "scanned") as cache:  # values of cases of earlier starts, by key
-        ...     study.write(tmp / "scanned", {"scan.csv": csv_text([{"coupling": 0.1, "amplitude": 0.682}])})
+        ...     table = quantity.csv_of_rows([{"coupling": 0.1, "amplitude": 0.682}])
+        ...     study.write(tmp / "scanned", {"scan.csv": table})
         >>> sorted(path.name for path in (tmp / "scanned").iterdir())
         ['cases.jsonl', 'run.json', 'scan.csv']
     """
@@ -211,7 +211,7 @@ def _csv_of(kind: "type[DataclassInstance]", records: "Sequence[DataclassInstanc
     units = {field.name: _declared(kind, field.name).unit for field in fields(kind)}
     head = [scale.heading(name, unit) for name, unit in units.items()]
     rows = [[_measured(record, name, unit, scale) for name, unit in units.items()] for record in records]
-    return csv_text([dict(zip(head, row, strict=True)) for row in rows], head)
+    return quantity.csv_of_rows([dict(zip(head, row, strict=True)) for row in rows], head)
 
 
 def _declared(kind: "type[DataclassInstance]", name: str) -> quantity.Quantity:
@@ -222,24 +222,3 @@ def _declared(kind: "type[DataclassInstance]", name: str) -> quantity.Quantity:
 def _measured(record: "DataclassInstance", name: str, unit: str, scale: Scale) -> Any:
     value = getattr(record, name)
     return None if value is None else quantity.in_units(value, unit, scale)
-
-
-def csv_text(rows: Sequence[Mapping[str, Any]], head: Sequence[str] = ()) -> str:
-    """CSV of rows by column; numbers read back exactly, what is undefined is empty, what is infinite is ``inf``.
-
-    Args:
-        rows: column -> value.
-        head: the columns; by default those of the first row.
-
-    Returns:
-        The text, a line for each row.
-
-    Examples:
-        >>> csv_text([{"coupling": 0.1, "beat_length": 58.0}, {"coupling": 0.0, "beat_length": None}]).splitlines()
-        ['coupling,beat_length', '0.1,58.0', '0.0,']
-    """
-    return quantity.to_csv({name: [_unbounded(row[name]) for row in rows] for name in head or rows[0]})
-
-
-def _unbounded(value: Any) -> Any:
-    return str(value) if isinstance(value, float) and math.isinf(value) else value

@@ -13,9 +13,8 @@ from lammps_inputs import file_names, find
 from lammps_inputs.decks import continuation, scene_files
 from lammps_inputs.library import installed
 from lammps_inputs.numbers import size_text, time_text
-from workflow.cost_model import cost
+from workflow.cost_model import MESSAGES, bead_seconds, cost
 from workflow.plugins.jobs import ranks
-from workflow.step_time import MESSAGES, bead_seconds
 
 PEAK_MEMORY = f"""
 import resource, subprocess

@@ -18,9 +18,9 @@ from granchain.parts import (
     RunDirectory,
     axes,
     columns,
-    csv_text,
     numbers,
     output_directory,
+    quantity,
     screen,
     units,
     write_text,
@@ -127,17 +127,19 @@ class _Estimate:
             farther: derivatives by moving frames by `FAR`, [quantity, field].
         """
         slopes, differences = (4.0 * self.slopes - farther) / 3.0, np.abs(farther - self.slopes)
-        for place, quantity in enumerate(varied.quantities):
+        for place, dependent in enumerate(varied.quantities):
             value = numbers.known(float(self.values[place]))
             for number, (name, at) in enumerate(varied.values.items()):
                 entry = place, number
-                slope, unit = float(slopes[entry]), _unit(varied, quantity, name)
+                slope, unit = float(slopes[entry]), _unit(varied, dependent, name)
                 difference, change, size = (float(array[entry]) for array in (differences, self.change, self.sizes))
                 if value is None or not difference <= JUMP * abs(slope) + change + _NOISE * size:  # NaN, too
-                    yield Derivative(quantity, name, value, None, None, unit, None)
+                    yield Derivative(dependent, name, value, None, None, unit, None)
                     continue
                 uncertainty = SAFETY * change + difference + (_NOISE + FORCES) * size
-                yield Derivative(quantity, name, value, slope, uncertainty, unit, slope * at / value if value else None)
+                yield Derivative(
+                    dependent, name, value, slope, uncertainty, unit, slope * at / value if value else None
+                )
 
 
 def _unit(varied: VariedScene, quantity: str, name: str) -> str:
@@ -219,5 +221,5 @@ def with_derivatives(
     derivatives = tuple(gradient(directory.scene.plain(), quantities, by, str(directory.path)))
     analysis = analyse()
     output_directory.record_files(directory.path, [GRADIENT])
-    write_text(directory.path / GRADIENT, csv_text([asdict(derivative) for derivative in derivatives]))
+    write_text(directory.path / GRADIENT, quantity.csv_of_rows([asdict(derivative) for derivative in derivatives]))
     return replace(analysis, tables=(*analysis.tables, GRADIENT), derivatives=derivatives)

@@ -26,13 +26,13 @@ from granchain import InputError
 from granchain.parts import (
     Study,
     checked,
-    csv_text,
     evaluate,
     fields,
     inputs,
     kept_run,
     library,
     options,
+    quantity,
     screen,
     strict_yaml,
 )
@@ -193,7 +193,7 @@ def _table(design: Design, records: list[DesignRecord]) -> str:
         }
         for record in sorted(records, key=lambda record: worth(design, record))
     ]
-    return csv_text(rows)
+    return quantity.csv_of_rows(rows)
 
 
 def _written(value: Any) -> str:

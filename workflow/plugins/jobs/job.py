@@ -29,7 +29,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from granchain import InputError
-from granchain.parts import Problem, continuation, deck, file_names, step_time, window
+from granchain.parts import Problem, continuation, cost_model, deck, file_names, window
 from workflow.plugins.jobs import job_files
 from workflow.plugins.jobs.schedulers import SLURM, Request, Scheduler
 from workflow.plugins.jobs.site import RANKS, JobOptions
@@ -316,10 +316,10 @@ def _frame_bytes(problem: Problem) -> int:
 
 def _stretch_lines(problem: Problem) -> list[str]:
     """Variables for the steps of a stretch: about `STRETCH` seconds, at the least those after which a run may stop."""
-    fixed, bead = step_time.step_seconds(problem)
+    fixed, bead = cost_model.step_seconds(problem)
     beads, grain = problem.chains * problem.rows * bead, window.stride(problem)
-    frames = "".join(f"+{step_time.frame_seconds(dump.frame):.3g}/{dump.every}" for dump in _dumps(problem).values())
-    seconds = f"{fixed:.3g}+{beads:.3g}/v_ranks+{step_time.MESSAGES:g}*(v_ranks>1){frames}"
+    frames = "".join(f"+{cost_model.frame_seconds(dump.frame):.3g}/{dump.every}" for dump in _dumps(problem).values())
+    seconds = f"{fixed:.3g}+{beads:.3g}/v_ranks+{cost_model.MESSAGES:g}*(v_ranks>1){frames}"
     return [
         f"variable seconds equal {seconds}   # of a step, by a model",
         f"variable look equal ceil({STRETCH:g}/v_seconds/{grain})*{grain}",

@@ -2,7 +2,7 @@
 
 import math
 
-from granchain.parts import Problem, cost_model, numbers, physics, step_time
+from granchain.parts import Problem, cost_model, numbers, physics
 from workflow.plugins.jobs.site import JobOptions
 
 PROCESS = 40_000_000
@@ -47,7 +47,7 @@ def sentence(problem: Problem, ranks: int) -> str:
 
 def least_beads(problem: Problem) -> int:
     """Beads that a rank must have to be worth its messages."""
-    return math.ceil(EFFICIENCY / (1.0 - EFFICIENCY) * step_time.MESSAGES / step_time.bead_seconds(problem))
+    return math.ceil(EFFICIENCY / (1.0 - EFFICIENCY) * cost_model.MESSAGES / cost_model.bead_seconds(problem))
 
 
 def advised(problem: Problem, most_ranks: int) -> int:

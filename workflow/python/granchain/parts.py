@@ -84,7 +84,6 @@ if TYPE_CHECKING:
     from workflow import inputs as inputs
     from workflow import provenance as provenance
     from workflow import screen as screen
-    from workflow import step_time as step_time
     from workflow.checked import Between as Between
     from workflow.checked import checked as checked
     from workflow.commands import analyze as analyze
@@ -103,7 +102,6 @@ if TYPE_CHECKING:
     from workflow.prepare.settings import settle as settle
     from workflow.quantities import columns as columns
     from workflow.quantities import evaluate as evaluate
-    from workflow.quantities.evaluate import case as case
     from workflow.runs import engines as engines
     from workflow.runs import job as job
     from workflow.runs import labelled as labelled
@@ -117,7 +115,6 @@ if TYPE_CHECKING:
     from workflow.study_kit import options as options
     from workflow.study_kit import page as page
     from workflow.study_kit.directory import Study as Study
-    from workflow.study_kit.directory import csv_text as csv_text
     from workflow.study_kit.kept_run import kept_run as kept_run
     from workflow.sweep import axes as axes
     from workflow.sweep import collect as collect

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from granchain.parts import Study, case, csv_text, options
+from granchain.parts import Study, evaluate, options, quantity
 
 EXAMPLES = ("hardness -o hard",)
 STUDY = Study("hardness", "hardness.csv is the table", tables=("hardness.csv",), cache="cases.jsonl")
@@ -29,8 +29,8 @@ def hardness(directory: Path | str, *, jobs: int | None = None) -> dict[float, f
         for stiffness in STIFFNESS
     ]
     with STUDY.evaluating(Path(directory), jobs) as values:
-        answers = values([case(scene, ["participation"], "case") for scene in scenes])
+        answers = values([evaluate.case(scene, ["participation"], "case") for scene in scenes])
         numbers = [answer["quantities"]["participation"] for answer in answers]
         rows = [{"stiffness": x, "participation": number} for x, number in zip(STIFFNESS, numbers, strict=True)]
-        STUDY.write(Path(directory), {"hardness.csv": csv_text(rows)})
+        STUDY.write(Path(directory), {"hardness.csv": quantity.csv_of_rows(rows)})
     return dict(zip(STIFFNESS, numbers, strict=True))

@@ -15,8 +15,8 @@ from lammps_inputs.decks import deck
 from lammps_inputs.laws import Pure, formula
 from lammps_inputs.links import Across, Along, Ground
 from workflow import cost_model
+from workflow.cost_model import formula_seconds, step_seconds
 from workflow.engines.lammps import worker
-from workflow.step_time import formula_seconds, step_seconds
 
 CHAINS = {"name": "a", "chains": 2, "beads": 40, "coupling": {"stiffness": 0.1}, "kick": {"velocity": 1}}
 CHAIN = {"name": "a", "beads": 40, "kick": {"velocity": 1}}
