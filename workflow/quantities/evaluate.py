@@ -90,7 +90,7 @@ def of_scene(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Meas
         source: what to call the scene in messages.
 
     Returns:
-        Name -> number in the scene's units; None where it is undefined.
+        Name -> number in the unit of its declaration, V and T those of the scene; None where it is undefined.
 
     Raises:
         InputError: as `scene_to_run`.
