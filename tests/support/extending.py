@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from core_alone import ROOT, copy_without
+from executables import path_of
 from processes import HANGS
 from tree_metadata import write_metadata
 
@@ -23,7 +24,7 @@ def sections() -> dict[str, list[str]]:
 def git_apply(diff: str, tree: Path, *options: str) -> None:
     """Apply a diff to a tree; a failed one fails with git's message."""
     outside = {**os.environ, "GIT_CEILING_DIRECTORIES": str(tree.parent)}  # paths are those of the diff
-    words = ["git", "apply", *options, "-"]
+    words = [path_of("git"), "apply", *options, "-"]
     answer = subprocess.run(words, cwd=tree, env=outside, input=diff, capture_output=True, text=True)
     assert answer.returncode == 0, f"{answer.stderr}\n{diff}"
 
