@@ -30,3 +30,8 @@ def test_help_says_symbol_and_every_place_of_a_name():
     assert "symbol: t" in text
     assert all(place in text for place in ("analysis.json: waves > arrival", "waves.csv: column arrival", "run.json"))
     assert explained("no_such") is None
+
+
+def test_help_explains_a_quantity_at_a_bead_as_the_quantity():
+    assert explained("arrival@30") == explained("arrival")
+    assert explained("wall_force@30") is None

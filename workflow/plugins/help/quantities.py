@@ -6,7 +6,7 @@
 import textwrap
 from collections.abc import Iterator
 
-from granchain.parts import places, quantity, terms, units
+from granchain.parts import columns, places, quantity, terms, units
 
 WIDTH = 100
 
@@ -19,8 +19,10 @@ def explained(word: str) -> str | None:
 
     Args:
         word: a column; a key, also behind that which it stands under (``budget.time``); the key or file that holds
-            others (``budget``, ``waves.csv``), whose names are listed; or a term.
+            others (``budget``, ``waves.csv``), whose names are listed; a quantity at a bead (``arrival@30``); a term.
     """
+    base, bead = columns.at_bead(word)
+    word = base if bead else word
     keys = tuple(word.split("."))
     named = [place for place in places.places() if any(column.name == word for column in place.quantity.columns)]
     named += [place for place in places.places() if place.path[-len(keys) :] == keys]
