@@ -271,7 +271,7 @@ def make_scale(mass: float, contact_constant: float, velocity: float, *, si: boo
     Args:
         mass: bead mass (kg, or 1).
         contact_constant: A in ``force = A overlap**p`` (N/m^p, or 1).
-        velocity: largest kick velocity (m/s, or reduced).
+        velocity: velocity V of the largest excitation (m/s, or reduced).
         si: whether the three are in SI units.
         exponent: p.
     """
