@@ -101,7 +101,8 @@ def test_its_law_runs_in_a_job_of_slurm(slurm: Any, site: Path, folder: Path) ->
     slurm.submit(folder / "job")
     slurm.wait()
     assert "done" in granchain(site, folder, "status", "job")
-    granchain(site, folder, "analyze", "job", "--no-figures")
+    for name in ("run", "job"):
+        granchain(site, folder, "analyze", name, "--no-figures")
     here, there = (
         json.loads((folder / name / "analysis.json").read_text())["rebound"]["largest"] for name in ("run", "job")
     )
