@@ -28,7 +28,7 @@ class Results:
     def _frames(self) -> analyse.MeasuredFrames:
         return analyse.measure(self.request.directory)
 
-    @property
+    @cached_property
     def tables(self) -> dict[str, str]:
         """Name -> text of each table as CSV."""
         return self._frames.tables if self.request.is_run else {SWEEP: collect.collect(self.request.path).to_csv()}
