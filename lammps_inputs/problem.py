@@ -36,8 +36,6 @@ class Problem:
     recorded: tuple[int, ...] | None
     """Beads of every chain that are recorded, ascending; None for all."""
     scale: Scale
-    frames_per_snapshot: int | None = None
-    """Frames from one snapshot of all beads to the next; None where there are none."""
     scheme: SchemeName = "verlet"
     """Integration scheme of LAMMPS; ``timestep`` and ``steps`` are those of its Verlet steps, averaged over a cycle."""
     window: int | None = None
@@ -132,13 +130,3 @@ class Problem:
     def coarser(self, stride: int) -> "Problem":
         """Problem with only every stride-th frame."""
         return replace(self, steps_per_frame=self.steps_per_frame * stride, frames=self.frames // stride)
-
-    def snapshots(self) -> "Problem":
-        """Problem whose frames are its snapshots of all beads.
-
-        Raises:
-            ValueError: it has none.
-        """
-        if self.frames_per_snapshot is None:
-            raise ValueError("this problem has no snapshots")
-        return replace(self.coarser(self.frames_per_snapshot), recorded=None, frames_per_snapshot=None)

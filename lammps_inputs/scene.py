@@ -268,8 +268,8 @@ class BaseScene(ScenePart, metaclass=SceneType):
         """Refuse a window where what leaves it matters."""
         if self.window is None:
             return
-        if self.output.beads != "all" or self.output.snapshots is not None:
-            raise ValueError("window: records the rows that exist; leave output.beads and output.snapshots out")
+        if self.output.beads != "all":
+            raise ValueError("window: records the rows that exist; leave output.beads out")
         for number, kick in enumerate(self.kicks):
             key = _kick_key(self, number)
             if kick.velocity < 0.0:
@@ -445,7 +445,6 @@ class BaseScene(ScenePart, metaclass=SceneType):
                 f"timestep: {self.timestep:g} does not divide output.every = {every:g} evenly; "
                 f"leave it out for an accuracy of {DEFAULT_ACCURACY:g} V, or try {every / steps:.12g}"
             )
-        self.output.refuse_times(every, self.duration)
 
     def _check_contacts(self, ball: Material, system: System) -> None:
         """Refuse what no contact of elastic spheres is, though the dimensionless numbers would be sane."""
@@ -712,7 +711,6 @@ class BaseScene(ScenePart, metaclass=SceneType):
             frames=max(1, math.ceil(self.duration / every * (1.0 - 1e-9))),
             recorded=None if self.output.beads == "all" else self.output.beads,
             scale=scale,
-            frames_per_snapshot=None if self.output.snapshots is None else round(self.output.snapshots / every),
             scheme=self.scheme or "verlet",
             window=None if self.window is None or self.window >= self.beads else self.window,
         )

@@ -26,7 +26,6 @@ import functools
 import io
 import itertools
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -242,23 +241,17 @@ def moved_lines(problem: Problem) -> list[str]:
     return [line for part in spelling(problem) for line in part.moved]
 
 
-def output_lines(problem: Problem, dump: str, snapshots: str = file_names.SNAPSHOTS) -> list[str]:
-    """Frames into a file, snapshots into another, and the log; with a group of the recorded beads if not all are."""
+def output_lines(problem: Problem, dump: str) -> list[str]:
+    """Frames into a file, and the log; with a group of the recorded beads if not all are."""
     recorded, group = "all", []
     if problem.recorded is not None:
         atoms = problem.chains * problem.beads  # first:last:stride is one bead of every chain
         listed = " ".join(f"{bead}:{atoms}:{problem.beads}" for bead in problem.recorded)
         recorded, group = "recorded", [f"group recorded {'type 2' if _types(problem) is None else f'id {listed}'}"]
-    all_columns = " ".join(columns(replace(problem, recorded=None)))
-    snapshot_lines = [
-        f"dump snapshots all custom $({problem.frames_per_snapshot}*v_every:%.0f) {snapshots} {all_columns}",
-        "dump_modify snapshots flush yes time yes",
-    ]
     return [
         *group,
         f"dump frames {recorded} custom ${{every}} {dump} {' '.join(columns(problem))}",
         "dump_modify frames flush yes time yes   # each frame is written at once, with its time",
-        *(snapshot_lines if problem.frames_per_snapshot is not None else []),
         *_thermo_lines(problem),
         "thermo ${thermo}",
     ]

@@ -6,7 +6,6 @@ Also the references that a run is compared with, or is: with ever more steps unt
 import math
 import time
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
 from typing import Any
 
 from analysis.compare.difference import Deviation, DeviationPlace, Uncertainty, errors_of
@@ -106,10 +105,6 @@ def check(directory: RunDirectory, settings: ChosenStep | None = None) -> Check:
     step = 1 if little else stride(problem, SPACING if settings is None else CADENCE)
     deviations, uncertainty = _compared(problem.coarser(step), lambda: directory.blocks(step), settings)
     velocity = deviations["velocity"]
-    if problem.frames_per_snapshot is not None:
-        others, of_snapshots = _compared(problem.snapshots(), directory.snapshots, settings)
-        velocity = max(velocity, others["velocity"], key=lambda deviation: deviation.largest)
-        uncertainty = replace(uncertainty, velocity=max(uncertainty.velocity, of_snapshots.velocity))
     amplitude, arrival = (
         deviations[name].largest if name in deviations else math.nan for name in ("amplitude", "arrival")
     )

@@ -198,12 +198,6 @@ class RunDirectory:
             texts = "; ".join(differences)
             raise RunError(f"{self.path}: its frames are not those of {file_names.SCENE}: {texts}; {_ADVICE}")
 
-    def snapshots(self, stride: int = 1) -> Iterator[Trajectory]:
-        """The snapshots of all beads, or every stride-th of them, in blocks of bounded size; none if there are none."""
-        files = parts(self.path, "snapshots")
-        if self.problem.frames_per_snapshot is not None and files:
-            yield from recording.blocks(files, self.problem.snapshots(), stride)
-
     @property
     def trajectory(self) -> Trajectory:
         """The whole trajectory in memory."""
@@ -276,8 +270,7 @@ def results(directory: RunDirectory) -> dict[str, Any]:
     """Number of frames and a fingerprint of them, for ``run.json``.
 
     The fingerprint is the SHA-256 of displacement and velocity [chain, bead] (of a window, after the number of its
-    first row) as little-endian float64, frame after frame, and then those of the snapshots likewise, where there are
-    any: neither ranks nor interruptions change it.
+    first row) as little-endian float64, frame after frame: neither ranks nor interruptions change it.
 
     Args:
         directory: directory of the run.
@@ -292,8 +285,6 @@ def results(directory: RunDirectory) -> dict[str, Any]:
     for block in directory.blocks():
         fingerprint.add(block)
         frames += block.frames
-    for block in directory.snapshots():
-        fingerprint.add(block)
     return {"frames": frames, "sha256": fingerprint.sha256()}
 
 

@@ -58,9 +58,6 @@ NOT_PHYSICS = (
 MOST_FRAMES = 1000
 """Frames of a run from one instant that both runs recorded to the next, at most."""
 
-_OF_WAVES = ("amplitude", "arrival")
-"""Quantities that snapshots are too far apart for."""
-
 _AT_AN_INSTANT = ("velocity", "displacement", "amplitude", "arrival")
 """Quantities without a tolerance, unless one is given, where one of two runs has rigid beads."""
 
@@ -117,7 +114,7 @@ def compare_runs(runs: Runs, tolerances: dict[str, float] | None = None) -> tupl
     frames, fingerprints = recorded_by_both(runs), Fingerprints()
     meter = ChainMeter(frames.problem, rigid_first=rigid == [directory]) if models_differ else None
     difference = _difference(runs, frames, limits, fingerprints, meter)
-    deviations = _larger(difference.deviations(), _of_snapshots(runs, limits, fingerprints))
+    deviations = difference.deviations()
     chains: tuple[ChainDifference, ...] = ()
     if meter is not None:
         engine = engine_called(rigid[0].engine)
@@ -269,18 +266,16 @@ class Fingerprints:
 
 @dataclass(frozen=True)
 class RecordedByBoth:
-    """What two runs both recorded, of their frames or of their snapshots.
+    """What two runs both recorded.
 
     Attributes:
         problem: of the beads and times that both recorded.
         strides: every which frame of each run is at such a time.
-        snapshots: whether these are snapshots.
         same_window: whether both hold the same number of rows.
     """
 
     problem: Problem
     strides: tuple[int, int]
-    snapshots: bool
     same_window: bool
 
     def pairs(self, runs: Runs) -> Iterator[tuple[Trajectory, Trajectory]]:
@@ -292,7 +287,7 @@ class RecordedByBoth:
         problem = replace(self.problem, system=run.problem.system)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", CutDumpWarning)
-            for block in run.snapshots(stride) if self.snapshots else run.blocks(stride):
+            for block in run.blocks(stride):
                 yield of_recorded(block, problem)
 
 
@@ -302,13 +297,13 @@ def where_both_hold(first: Trajectory, second: Trajectory) -> tuple[Trajectory, 
     return near, other_near
 
 
-def recorded_by_both(runs: Runs, *, snapshots: bool = False) -> RecordedByBoth:
+def recorded_by_both(runs: Runs) -> RecordedByBoth:
     """The beads and times that two runs recorded.
 
     Raises:
         InputError: there is no such bead, or no such time after the start.
     """
-    first, second = (run.problem.snapshots() if snapshots else run.problem for run in runs)
+    first, second = (run.problem for run in runs)
     ratio = first.every / second.every
     fraction = Fraction(ratio).limit_denominator(MOST_FRAMES)
     strides = fraction.denominator, fraction.numerator
@@ -328,9 +323,8 @@ def recorded_by_both(runs: Runs, *, snapshots: bool = False) -> RecordedByBoth:
         frames=frames,
         recorded=None if len(beads) == first.beads else tuple(beads.tolist()),
         window=min((each.window for each in (first, second) if each.window is not None), default=None),
-        frames_per_snapshot=None,
     )
-    return RecordedByBoth(problem, strides, snapshots, same_window=first.window == second.window)
+    return RecordedByBoth(problem, strides, same_window=first.window == second.window)
 
 
 def _difference(
@@ -353,30 +347,6 @@ def _difference(
     difference = Difference(limits, accountant(runs[0], recorded.problem).of)
     compared(difference, pairs())
     return difference
-
-
-def _of_snapshots(runs: Runs, limits: dict[str, float], fingerprints: Fingerprints) -> dict[str, Deviation]:
-    """Deviations of what snapshots of two runs show; empty where the two have none at the same times."""
-    if not all(run.problem.frames_per_snapshot for run in runs):
-        return {}
-    try:
-        snapshots = recorded_by_both(runs, snapshots=True)
-    except InputError:
-        return {}
-    difference = _difference(runs, snapshots, limits, fingerprints)
-    if not difference.frames:
-        return {}
-    return {name: value for name, value in difference.deviations().items() if name not in _OF_WAVES}
-
-
-def _larger(frames: dict[str, Deviation], snapshots: dict[str, Deviation]) -> dict[str, Deviation]:
-    """Deviations by quantity, the larger one where frames and snapshots have one."""
-
-    def larger(*deviations: Deviation) -> Deviation:
-        return max(deviations, key=lambda deviation: np.nan_to_num(deviation.largest, nan=np.inf))
-
-    in_both = {name: larger(frames[name], snapshots[name]) for name in frames.keys() & snapshots.keys()}
-    return {**frames, **snapshots, **in_both}
 
 
 def compared_pairs(runs: tuple[RunDirectory, ...], comparison: Validation) -> Iterator[tuple[Trajectory, Trajectory]]:

@@ -96,7 +96,6 @@ def instance(part: int) -> Any:
         lmp.command(f"log {file_names.LOG} append")
         lmp.command("variable steps equal step")
         lmp.command(f"variable dump index {continuation.dump_part(part)}")
-        lmp.command(f"variable snapshots index {continuation.snapshots_part(part)}")
         deck = file_names.CONTINUE
     lmp.file(deck)
     return lmp
