@@ -42,6 +42,7 @@ from lammps_inputs.links import Across
 from lammps_inputs.numbers import plain_values
 from lammps_inputs.output import Limits, Output, too_far_apart
 from lammps_inputs.problem import Problem
+from lammps_inputs.rows import Rows
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.static_load import LoadError, under_load
 from lammps_inputs.system import System
@@ -703,16 +704,16 @@ class BaseScene(ScenePart, metaclass=SceneType):
             )
         scale, system = self.scale, self.system
         every, steps = self._cadence()
+        recorded = None if self.output.beads == "all" else self.output.beads
         return Problem(
             system=system,
             name=self.name,
             timestep=every / scale.time / steps,
             steps_per_frame=steps,
             frames=max(1, math.ceil(self.duration / every * (1.0 - 1e-9))),
-            recorded=None if self.output.beads == "all" else self.output.beads,
+            rows=Rows(self.beads).only(recorded).near_front(self.window),
             scale=scale,
             scheme=self.scheme or "verlet",
-            window=None if self.window is None or self.window >= self.beads else self.window,
         )
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:

@@ -54,8 +54,8 @@ class DumpLayout:
 
 def sizes(problem: "Problem") -> tuple[float, float]:
     """Size of a frame, and of all frames of a run, in bytes."""
-    columns = 3 if problem.window is None else 4
-    frame = HEADER + 8.0 * columns * problem.chains * problem.rows_a_frame
+    columns = 3 if not problem.rows.follow else 4
+    frame = HEADER + 8.0 * columns * problem.chains * problem.rows.count
     return frame, frame * (problem.frames + 1)
 
 

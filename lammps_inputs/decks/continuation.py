@@ -48,7 +48,7 @@ def restart_lines(problem: Problem) -> list[str]:
     return [
         "variable parked atom x",
         # where LAMMPS had a bead at rest, to the last bit
-        f"variable rest atom {layout.place_formula if problem.window is None else f'mol*{text(layout.spacing)}'}",
+        f"variable rest atom {layout.place_formula if not problem.rows.follow else f'mol*{text(layout.spacing)}'}",
         "set group all vy v_parked",
         *(["variable force atom fx", "set group all vz v_force"] if forces else []),
         "set group all x v_rest",
@@ -92,7 +92,7 @@ def render_continuation(problem: Problem) -> str:
             *deck.motion_lines(problem, "free"),
             *static_load.go_on_lines(problem.system),
         ],
-        *([] if problem.window is None else [window.setup_lines(problem, continued=True)]),
+        *([] if not problem.rows.follow else [window.setup_lines(problem, continued=True)]),
         [
             *deck.output_lines(problem, "${dump}"),
             "# no frame before the beads are at their present places",
@@ -145,7 +145,7 @@ def onward_lines(problem: Problem, *, timings: bool = True) -> list[str]:
         problem: what is computed.
         timings: whether LAMMPS may end the run with a table of its timings in the log.
     """
-    if problem.window is not None:
+    if problem.rows.follow:
         travel = window.travel_lines(problem)
         travel.remove("run 0 post no")  # the setup
         return [scheme.timestep_command(problem.scheme), *travel]

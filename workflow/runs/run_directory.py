@@ -160,7 +160,7 @@ class RunDirectory:
             RunError: they are not frames of the scene, by LAMMPS's log, by their times or by the state of the first.
         """
         problem, dumps = self.problem, self.dumps
-        if stride > 1 or 16.0 * problem.frames * problem.chains * problem.rows_a_frame > KEPT_BYTES:
+        if stride > 1 or 16.0 * problem.frames * problem.chains * problem.rows.count > KEPT_BYTES:
             return self._begun_as_the_scene(recording.blocks(dumps, problem, stride))
         return self._begun_as_the_scene(self._in_memory.frames(dumps, problem))
 
@@ -255,7 +255,7 @@ class Fingerprint:
     def add(self, block: Trajectory) -> None:
         """Take the next frames."""
         frames = states(block)
-        if block.problem.window is None:
+        if not block.problem.rows.follow:
             self._digest.update(np.ascontiguousarray(frames).data)
         else:
             for state in frames:

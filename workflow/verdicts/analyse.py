@@ -238,7 +238,7 @@ def measure(
     problem, allowed = directory.problem, tolerances or Tolerances()
     shown = default_beads(problem) if beads is None else beads
     _refuse_frames(directory, shown)
-    engine, run, exchange = engine_called(directory.engine), recorded(directory), accountant(directory, problem)
+    engine, run, exchange = engine_called(directory.engine), run_of(directory), accountant(directory, problem)
     conservation, fingerprint = Conservation(), Fingerprint()
     meters = _meters(run)
     spacetime, history = _pictures(problem, shown) if figures else (None, None)
@@ -278,7 +278,7 @@ def _refuse_frames(directory: RunDirectory, shown: tuple[int, ...]) -> None:
     """
     problem = directory.problem
     for bead in shown:
-        if bead not in problem.recorded_beads:
+        if bead not in problem.rows.numbers:
             raise InputError(f"--beads: bead {bead} is not among the recorded ones")
     if why := too_far_apart(problem.every, problem.scale):
         raise InputError(f"{directory.path}: output.every: {why}")
@@ -296,7 +296,7 @@ def _pictures(problem: Problem, shown: tuple[int, ...]) -> tuple[Any, Any]:
     return SpaceTime(problem), BeadHistory(problem, shown)
 
 
-def recorded(directory: RunDirectory) -> Recorded:
+def run_of(directory: RunDirectory) -> Recorded:
     """The run of a directory as meters see it."""
     return Recorded(
         scene=directory.scene,
@@ -388,15 +388,15 @@ def default_beads(problem: Problem) -> tuple[int, ...]:
     Returns:
         Numbers of the beads, ascending.
     """
-    recorded = problem.recorded_beads
+    beads = problem.rows.numbers
     if not problem.system.holds(Fact.PULSE):
         kicked_bead = physics.largest_excitation(problem.system)[1]
         direction = problem.direction
         return tuple(
-            sorted({int(recorded[np.argmin(np.abs(recorded - kicked_bead - direction * far))]) for far in (0, 2, 5)})
+            sorted({int(beads[np.argmin(np.abs(beads - kicked_bead - direction * far))]) for far in (0, 2, 5)})
         )
-    places = np.unique(np.round(np.array([0.17, 0.5, 0.9]) * (len(recorded) - 1)).astype(int))
-    return tuple(int(recorded[place]) for place in places)
+    places = np.unique(np.round(np.array([0.17, 0.5, 0.9]) * (len(beads) - 1)).astype(int))
+    return tuple(int(beads[place]) for place in places)
 
 
 def _makers(

@@ -54,7 +54,7 @@ class Diagnosis:
 def rounded(trajectory: Trajectory, reference: Trajectory) -> list[str]:
     """Which numbers were rounded when they were written: positions or velocities, of any beads."""
     problem, lines = trajectory.problem, []
-    rest = rest_positions(problem) if problem.window is None else trajectory.beads * problem.layout.spacing
+    rest = rest_positions(problem) if not problem.rows.follow else trajectory.beads * problem.layout.spacing
     moved = trajectory.displacement != 0.0
     for name, values, right in (
         ("positions", trajectory.displacement + rest, reference.displacement + rest),

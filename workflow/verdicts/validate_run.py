@@ -111,7 +111,7 @@ def compare_runs(runs: Runs, tolerances: dict[str, float] | None = None) -> tupl
     models_differ = len(rigid) == 1
     unlimited = dict.fromkeys(_AT_AN_INSTANT, math.inf) if models_differ else {}
     limits = limits_of(directory.problem, {**unlimited, **(tolerances or {})})
-    frames, fingerprints = recorded_by_both(runs), Fingerprints()
+    frames, fingerprints = held_by_both(runs), Fingerprints()
     meter = ChainMeter(frames.problem, rigid_first=rigid == [directory]) if models_differ else None
     difference = _difference(runs, frames, limits, fingerprints, meter)
     deviations = difference.deviations()
@@ -145,7 +145,7 @@ def _remarks(runs: Runs, problem: Problem, deviations: dict[str, Deviation], *, 
     for run in runs:
         if run.failure:
             yield f"{run.path}: {run.failure}"
-    if problem.window is not None:
+    if problem.rows.follow:
         yield HALF_WINDOW
     if models_differ:
         yield _RIGID_BEADS
@@ -271,12 +271,12 @@ class RecordedByBoth:
     Attributes:
         problem: of the beads and times that both recorded.
         strides: every which frame of each run is at such a time.
-        same_window: whether both hold the same number of rows.
+        same_width: whether both hold the same number of rows.
     """
 
     problem: Problem
     strides: tuple[int, int]
-    same_window: bool
+    same_width: bool
 
     def pairs(self, runs: Runs) -> Iterator[tuple[Trajectory, Trajectory]]:
         """Blocks of the two at these beads and times; of a window all rows of each."""
@@ -297,7 +297,7 @@ def where_both_hold(first: Trajectory, second: Trajectory) -> tuple[Trajectory, 
     return near, other_near
 
 
-def recorded_by_both(runs: Runs) -> RecordedByBoth:
+def held_by_both(runs: Runs) -> RecordedByBoth:
     """The beads and times that two runs recorded.
 
     Raises:
@@ -315,21 +315,16 @@ def recorded_by_both(runs: Runs) -> RecordedByBoth:
             f"{runs[1].path}: its frames are {apart[1]} apart, and those of {runs[0].path} {apart[0]}: "
             "only their starts are at one time"
         )
-    beads = np.intersect1d(first.recorded_beads, second.recorded_beads)
-    if len(beads) == 0:
+    rows = first.rows.shared(second.rows)
+    if rows.count == 0:
         raise InputError(f"{runs[1].path}: recorded none of the beads that {runs[0].path} recorded")
-    problem = replace(
-        first.coarser(strides[0]),
-        frames=frames,
-        recorded=None if len(beads) == first.beads else tuple(beads.tolist()),
-        window=min((each.window for each in (first, second) if each.window is not None), default=None),
-    )
-    return RecordedByBoth(problem, strides, same_window=first.window == second.window)
+    problem = replace(first.coarser(strides[0]), frames=frames, rows=rows)
+    return RecordedByBoth(problem, strides, same_width=first.rows.width == second.rows.width)
 
 
 def _difference(
     runs: Runs,
-    recorded: RecordedByBoth,
+    common: RecordedByBoth,
     limits: dict[str, float],
     fingerprints: Fingerprints,
     meter: ChainMeter | None = None,
@@ -337,14 +332,14 @@ def _difference(
     """How far apart two runs are where both recorded; fingerprints and chains are read on the way."""
 
     def pairs() -> Iterator[tuple[Trajectory, Trajectory]]:
-        for blocks in recorded.pairs(runs):
+        for blocks in common.pairs(runs):
             near_front, other_near_front = where_both_hold(*blocks)
-            fingerprints.add(*(on_common_rows(*blocks) if recorded.same_window else (near_front, other_near_front)))
+            fingerprints.add(*(on_common_rows(*blocks) if common.same_width else (near_front, other_near_front)))
             if meter is not None:
                 meter.add(near_front, other_near_front)
             yield near_front, other_near_front
 
-    difference = Difference(limits, accountant(runs[0], recorded.problem).of)
+    difference = Difference(limits, accountant(runs[0], common.problem).of)
     compared(difference, pairs())
     return difference
 
@@ -361,10 +356,10 @@ def compared_pairs(runs: tuple[RunDirectory, ...], comparison: Validation) -> It
     """
     directory, *others = runs
     for other in others:
-        return (where_both_hold(*pair) for pair in recorded_by_both((directory, other)).pairs((directory, other)))
+        return (where_both_hold(*pair) for pair in held_by_both((directory, other)).pairs((directory, other)))
     steps = None if comparison.uncertainty is None else comparison.uncertainty.steps_per_frame
     problem = directory.problem
-    exact = reference.blocks(problem, steps_per_frame=steps, window=compared_rows(problem))
+    exact = reference.blocks(problem, steps_per_frame=steps, rows=compared_rows(problem))
     return paired(directory.blocks_so_far(), exact)
 
 
@@ -392,7 +387,7 @@ def _computed_with(run: RunDirectory) -> dict[str, str]:
         "engine": run.engine,
         "time step": problem.scale.written(problem.timestep, "time") if stepped else "",
         "scheme": problem.scheme if stepped else "",
-        "window": f"{problem.window} rows" if problem.window else "all rows",
+        "window": f"{problem.rows.width} rows" if problem.rows.follow else "all rows",
         "ranks": str(job.ranks or ""),
         **job.versions,
         "Python": job.python or "",

@@ -21,7 +21,7 @@ from stock_lammps import run as run_stock
 
 from analysis.files.recording import blocks
 from analysis.trajectory import joined
-from lammps_inputs import InputError, Output, file_names, library, window
+from lammps_inputs import InputError, Output, file_names, library
 from lammps_inputs.decks import scene_files
 from workflow.engines.lammps.files_on_disk import step_of
 from workflow.plugins.jobs import job, job_files, site
@@ -73,7 +73,7 @@ BEFORE_RESTART = "before_a_restart"
 
 def restart_often(directory, case):
     """Let a job leave a restart after every tenth of a run, and run an empty script of ours before each."""
-    path, grain = directory / job_files.INPUT, window.stride(case.problem())
+    path, grain = directory / job_files.INPUT, case.problem().steps_between_stops
     steps, before = case.problem().steps, 'then "jump SELF stretch"\n'
     text = path.read_text()
     for pattern, new in (

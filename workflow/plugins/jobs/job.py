@@ -28,7 +28,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from granchain import InputError
-from granchain.parts import Problem, continuation, cost_model, deck, file_names, window
+from granchain.parts import Problem, continuation, cost_model, deck, file_names
 from workflow.plugins.jobs import job_files
 from workflow.plugins.jobs.schedulers import SLURM, Request, Scheduler
 from workflow.plugins.jobs.site import RANKS, JobOptions
@@ -47,8 +47,9 @@ def render_job(options: JobOptions, problem: Problem, directory: Path | None = N
     Raises:
         InputError: more ranks than rows, or the scene asks for what only `granchain run` does.
     """
-    if options.ranks > problem.rows:
-        raise InputError(f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {problem.rows} rows")
+    rows = problem.rows.existing
+    if options.ranks > rows:
+        raise InputError(f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {rows} rows")
     head = _head(options, problem.name, directory, [], None)
     script = _deck_job(options, head, [f"again=({options.of_scheduler.dependency})"])
     return {options.of_scheduler.script: f"{script}compute\n", **case_files(problem, options.of_scheduler)}
@@ -289,14 +290,14 @@ def _size_lines(problem: Problem) -> list[str]:
 def _frame_bytes(problem: Problem) -> int:
     """Bytes of a frame of the dump, but for 4 bytes a rank."""
     names = deck.columns(problem)
-    atoms = problem.chains * problem.rows_a_frame
+    atoms = problem.chains * problem.rows.count
     return 143 + len(" ".join(names)) + 8 * len(names) * atoms
 
 
 def _stretch_lines(problem: Problem) -> list[str]:
     """Variables for the steps of a stretch: about `STRETCH` seconds, at the least those after which a run may stop."""
     fixed, bead = cost_model.step_seconds(problem)
-    beads, grain = problem.chains * problem.rows * bead, window.stride(problem)
+    beads, grain = problem.chains * problem.rows.existing * bead, problem.steps_between_stops
     frames = f"+{cost_model.frame_seconds(_frame_bytes(problem)):.3g}/v_every"
     seconds = f"{fixed:.3g}+{beads:.3g}/v_ranks+{cost_model.MESSAGES:g}*(v_ranks>1){frames}"
     return [

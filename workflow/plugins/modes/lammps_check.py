@@ -52,7 +52,12 @@ def lammps_problem(problem: Problem, energy: float, period: float, steps: int, p
     speed = math.sqrt(2.0 * energy / float(physics.mass_of(problem.system, chain, bead)))
     system = replace(problem.system, kicks=((chain + 1, bead + 1, speed),))
     return replace(
-        problem, system=system, timestep=period / steps, steps_per_frame=steps, frames=periods, recorded=None
+        problem,
+        system=system,
+        timestep=period / steps,
+        steps_per_frame=steps,
+        frames=periods,
+        rows=problem.rows.only(None),
     )
 
 

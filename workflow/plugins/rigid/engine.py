@@ -324,7 +324,7 @@ def played_back(run: CollisionRun, times: Floats, size: int) -> Iterator[Traject
     Returns:
         Blocks of frames, displacement and velocity [frame, chain, recorded bead] each.
     """
-    problem, recorded = run.problem, run.problem.recorded_beads
+    problem, recorded = run.problem, run.problem.rows.numbers
     rows, modes = _start(problem)
     events, event = (run.time, run.chain - 1, run.row - 1), 0
     for first in range(0, max(1, len(times)), size):
