@@ -41,6 +41,10 @@ class Problem:
     scheme: SchemeName = "verlet"
     """Integration scheme of LAMMPS; ``timestep`` and ``steps`` are those of its Verlet steps, averaged over a cycle."""
 
+    def __post_init__(self) -> None:
+        if self.rows.beads != self.system.beads:
+            raise ValueError(f"rows of {self.rows.beads} beads, but the chains have {self.system.beads}")
+
     @property
     def chains(self) -> int:
         """Number of chains."""

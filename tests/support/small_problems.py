@@ -37,7 +37,7 @@ def problem(**changes: Any) -> Problem:
         "scale": REDUCED,
     }
     rows = Rows(system["beads"]).only(changes.pop("recorded", None)).near_front(changes.pop("window", None))
-    return Problem(system=System(**system), rows=rows, **{**options, **changes})
+    return Problem(system=System(**system), **{"rows": rows, **options, **changes})
 
 
 def rigid_problem(
