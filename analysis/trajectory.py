@@ -179,9 +179,9 @@ class Trajectory:
             >>> frames.beads[:3]
             array([1, 2, 3])
         """
-        if not self.problem.rows.follow:
-            return self.problem.rows.numbers
-        return np.arange(self.first, self.first + self.velocity.shape[2])
+        if self.problem.rows.follow:
+            return np.arange(self.first, self.first + self.velocity.shape[2])
+        return self.problem.rows.numbers
 
     @property
     def frames(self) -> int:
@@ -207,7 +207,7 @@ class Trajectory:
         return np.concatenate([x, further_x], axis=1), np.concatenate([v, further_v], axis=1)
 
     @property
-    def complete(self) -> bool:
+    def all_lines(self) -> bool:
         """Whether every frame holds all lines of atoms that the system has."""
         return self.further_lines is not None or physics.lines(self.problem.system) == self.problem.chains
 
@@ -452,7 +452,7 @@ def mirrored(block: Trajectory) -> Trajectory:
         block.time,
         -block.displacement[..., ::-1],
         -block.velocity[..., ::-1],
-        first=1 if not block.problem.rows.follow else mirrored_bead(block.problem, int(block.beads[-1])),
+        first=mirrored_bead(block.problem, int(block.beads[-1])) if block.problem.rows.follow else 1,
         contact_state=None if block.contact_state is None else block.contact_state[..., ::-1],
         further_lines=None if block.further_lines is None else -block.further_lines[..., ::-1],
     )

@@ -54,7 +54,7 @@ class DumpLayout:
 
 def sizes(problem: "Problem") -> tuple[float, float]:
     """Size of a frame, and of all frames of a run, in bytes."""
-    columns = 3 if not problem.rows.follow else 4
+    columns = 4 if problem.rows.follow else 3
     frame = HEADER + 8.0 * columns * problem.chains * problem.rows.count
     return frame, frame * (problem.frames + 1)
 

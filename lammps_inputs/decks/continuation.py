@@ -48,7 +48,7 @@ def restart_lines(problem: Problem) -> list[str]:
     return [
         "variable parked atom x",
         # where LAMMPS had a bead at rest, to the last bit
-        f"variable rest atom {layout.place_formula if not problem.rows.follow else f'mol*{text(layout.spacing)}'}",
+        f"variable rest atom {f'mol*{text(layout.spacing)}' if problem.rows.follow else layout.place_formula}",
         "set group all vy v_parked",
         *(["variable force atom fx", "set group all vz v_force"] if forces else []),
         "set group all x v_rest",
@@ -92,7 +92,7 @@ def render_continuation(problem: Problem) -> str:
             *deck.motion_lines(problem, "free"),
             *static_load.go_on_lines(problem.system),
         ],
-        *([] if not problem.rows.follow else [window.setup_lines(problem, continued=True)]),
+        *([window.setup_lines(problem, continued=True)] if problem.rows.follow else []),
         [
             *deck.output_lines(problem, "${dump}"),
             "# no frame before the beads are at their present places",

@@ -107,8 +107,7 @@ def render_deck(problem: Problem, start: Sequence[str] = (), opening: float = 0.
         )
     if problem.rows.follow:
         sections.append(window.setup_lines(problem))
-    all_rows = not problem.rows.follow
-    run = scheme.run_lines(problem.scheme, "${steps}") if all_rows else window.travel_lines(problem)
+    run = window.travel_lines(problem) if problem.rows.follow else scheme.run_lines(problem.scheme, "${steps}")
     sections.append(output_lines(problem, file_names.DUMP))
     sections.append([scheme.timestep_command(problem.scheme), *moved_lines(problem), *run])
     return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
@@ -441,7 +440,7 @@ def render_data(problem: Problem) -> str:
             places = [text(x) for x in problem.layout.places[line]]
         rows = enumerate(zip(of_line.tolist(), places, sizes, strict=True))
         if _atom_style(problem) != "sphere":
-            molecules = itertools.repeat(line + 1) if not problem.rows.follow else itertools.count(1)
+            molecules = itertools.count(1) if problem.rows.follow else itertools.repeat(line + 1)
             out.writelines(
                 f"{first + i} {t} {x} {y} 0 {size} {m}\n" for (i, (t, x, size)), m in zip(rows, molecules, strict=False)
             )

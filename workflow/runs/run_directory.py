@@ -255,11 +255,11 @@ class Fingerprint:
     def add(self, block: Trajectory) -> None:
         """Take the next frames."""
         frames = states(block)
-        if not block.problem.rows.follow:
-            self._digest.update(np.ascontiguousarray(frames).data)
-        else:
+        if block.problem.rows.follow:
             for state in frames:
                 self._digest.update(np.int64(block.first).tobytes() + state.tobytes())
+        else:
+            self._digest.update(np.ascontiguousarray(frames).data)
 
     def sha256(self) -> str:
         """Fingerprint of all frames so far."""

@@ -317,7 +317,7 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
         causes=(*few_digits, *diagnosis.causes),
         remarks=(
             *filter(None, [directory.failure]),
-            *([] if not problem.rows.follow else [HALF_WINDOW]),
+            *([HALF_WINDOW] if problem.rows.follow else []),
             *_doubts(halving.uncertainty, limits),
             *([diagnosis.remark] if diagnosis.remark and not few_digits else []),
         ),

@@ -72,7 +72,7 @@ def test_lines_of_resonators_count_on_from_the_chains_and_their_ties_come_after_
 
 def test_frames_are_complete_where_they_hold_the_lines_of_resonators():
     trajectory = engine.run(small(duration=1.0).problem())
-    assert trajectory.complete
+    assert trajectory.all_lines
     assert not replace(trajectory, further_lines=None).complete
 
 

@@ -142,7 +142,7 @@ def thinned(
 
 def _whole(frames: Trajectory) -> Trajectory:
     """Frames of all rows, also where a window follows the pulse; NaN where it has left."""
-    return frames if not frames.problem.rows.follow else frames.on(1, frames.problem.beads, behind=np.nan)
+    return frames.on(1, frames.problem.beads, behind=np.nan) if frames.problem.rows.follow else frames
 
 
 def _largest(values: Floats, first: NDArray[np.intp]) -> Floats:
