@@ -100,11 +100,7 @@ class Rows:
         """Rows that frames of two problems both hold, of chains of one length; none is listed where there is none."""
         numbers = np.intersect1d(self.numbers, other.numbers)
         widths = [rows.width for rows in (self, other) if rows.width is not None]
-        return Rows(
-            self.beads,
-            listed=None if len(numbers) == self.beads else tuple(numbers.tolist()),
-            width=min(widths, default=None),
-        )
+        return Rows(self.beads, width=min(widths, default=None)).only(None if len(numbers) == self.beads else numbers)
 
     def mirrored(self) -> "Rows":
         """Rows with their beads in the mirror; twice is the rows themselves."""
