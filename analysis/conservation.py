@@ -217,7 +217,7 @@ class Conservation:
         passed = np.flatnonzero(np.any(np.abs(velocity) > 1e-3, axis=(0, 1)))
         if len(passed):
             self.front = max(self.front or 0, int(block.beads[passed[-1]]))
-        if not problem.whole:
+        if not problem.rows.complete:
             self.energy_drift = self.momentum_drift = float("nan")
             return
         # all beads, for the order in which a sum is taken must not depend on which of them move in this block

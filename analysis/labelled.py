@@ -65,7 +65,7 @@ def labelled(block: Trajectory) -> dict[str, LabelledArray]:
         block: frames.
     """
     problem = block.problem
-    if problem.window is not None:
+    if problem.rows.follow:
         block = block.on(1, problem.beads, behind=np.nan)
     beads = block.beads
     at_beads = ("time", "chain", "bead")
@@ -76,7 +76,7 @@ def labelled(block: Trajectory) -> dict[str, LabelledArray]:
         "displacement": LabelledArray(at_beads, block.displacement, "displacement along the chain", "length"),
         "velocity": LabelledArray(at_beads, block.velocity, "velocity along the chain", "velocity"),
     }
-    if problem.recorded is None and problem.system.holds(Fact.OVERLAPS):
+    if problem.rows.neighbours and problem.system.holds(Fact.OVERLAPS):
         arrays |= _of_contacts(block)
     if block.contact_state is not None:
         ends = np.arange(problem.beads + 1)

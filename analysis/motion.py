@@ -299,7 +299,7 @@ def larger_overlap(block: Trajectory, frame: Integers, chain: Integers, bead: In
     Indices count from 0 and have one shape, which the result has; NaN where not all beads are recorded.
     """
     result = np.full(frame.shape, np.nan)
-    if block.problem.recorded is None:
+    if block.problem.rows.neighbours:
         x = block.displacement
         for side in (-1, 1):
             other = np.clip(bead + side, 0, x.shape[2] - 1)

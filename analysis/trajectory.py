@@ -66,7 +66,7 @@ def frames_per_block(problem: Problem) -> int:
         >>> [frames_per_block(granchain.load(name).problem()) for name in ("one-chain", "two-chains")]
         [2184, 1092]
     """
-    return max(LEAST_FRAMES, BLOCK_BYTES // (16 * problem.chains * problem.rows_a_frame))
+    return max(LEAST_FRAMES, BLOCK_BYTES // (16 * problem.chains * problem.rows.count))
 
 
 class FramesInUnits(NamedTuple):
@@ -179,9 +179,9 @@ class Trajectory:
             >>> frames.beads[:3]
             array([1, 2, 3])
         """
-        if self.problem.window is None:
-            return self.problem.recorded_beads
-        return np.arange(self.first, self.first + self.velocity.shape[2])
+        if self.problem.rows.follow:
+            return np.arange(self.first, self.first + self.velocity.shape[2])
+        return self.problem.rows.numbers
 
     @property
     def frames(self) -> int:
@@ -207,7 +207,7 @@ class Trajectory:
         return np.concatenate([x, further_x], axis=1), np.concatenate([v, further_v], axis=1)
 
     @property
-    def complete(self) -> bool:
+    def all_lines(self) -> bool:
         """Whether every frame holds all lines of atoms that the system has."""
         return self.further_lines is not None or physics.lines(self.problem.system) == self.problem.chains
 
@@ -249,7 +249,7 @@ class Trajectory:
     @property
     def forces_known(self) -> bool:
         """Whether every frame determines the forces on its beads, with the states of contacts."""
-        return self.problem.forces_known or (self.contact_state is not None and self.problem.recorded is None)
+        return self.problem.forces_known or (self.contact_state is not None and self.problem.rows.neighbours)
 
     def states(self) -> Iterator[tuple[Floats, Floats, Floats | None]]:
         """Displacements and velocities of all atoms [line, bead] in units of L and V, states of contacts, by frame.
@@ -339,6 +339,22 @@ class Trajectory:
 
         return replace(self, displacement=moved(self.displacement), velocity=moved(self.velocity), first=first)
 
+    def positions(self, beads: Any) -> Integers:
+        """Positions of recorded beads along the last axis; outside it where a window does not hold a bead.
+
+        Args:
+            beads: numbers of the beads, from 1.
+
+        Returns:
+            The positions, from 0, in the shape of ``beads``.
+
+        Examples:
+            >>> frames = granchain.run("one-chain", "run-positions", engine="reference").trajectory
+            >>> frames.positions([10, 20])
+            array([ 9, 19])
+        """
+        return self.problem.rows.positions(beads, self.first)
+
     def bead(self, number: int) -> int:
         """Position of a bead (counted from 1) along the last axis.
 
@@ -384,7 +400,7 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
         raise ValueError("no frame to join")
     if len(parts) == 1:
         return parts[0]
-    if parts[0].problem.window is not None:
+    if parts[0].problem.rows.follow:
         first, last = min(part.beads[0] for part in parts), max(part.beads[-1] for part in parts)
         parts = [part.on(int(first), int(last), behind=np.nan) for part in parts]
     arrays: dict[str, Any] = dict.fromkeys(("exchange", "contact_state", "further_lines"))
@@ -413,7 +429,6 @@ def along_the_way(problem: Problem, bead: Number) -> Number:
 def mirrored_problem(problem: Problem) -> Problem:
     """The problem in the mirror; twice is the problem itself."""
     system = problem.system
-    recorded = problem.recorded
     return replace(
         problem,
         system=replace(
@@ -426,7 +441,7 @@ def mirrored_problem(problem: Problem) -> Problem:
             loads=tuple(load.mirrored(mirrored_bead(problem, load.bead)) for load in system.loads),
             motions=tuple(motion.mirrored(mirrored_bead(problem, motion.bead)) for motion in system.motions),
         ),
-        recorded=None if recorded is None else tuple(mirrored_bead(problem, bead) for bead in reversed(recorded)),
+        rows=problem.rows.mirrored(),
     )
 
 
@@ -437,7 +452,7 @@ def mirrored(block: Trajectory) -> Trajectory:
         block.time,
         -block.displacement[..., ::-1],
         -block.velocity[..., ::-1],
-        first=1 if block.problem.window is None else mirrored_bead(block.problem, int(block.beads[-1])),
+        first=mirrored_bead(block.problem, int(block.beads[-1])) if block.problem.rows.follow else 1,
         contact_state=None if block.contact_state is None else block.contact_state[..., ::-1],
         further_lines=None if block.further_lines is None else -block.further_lines[..., ::-1],
     )

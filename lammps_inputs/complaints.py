@@ -91,6 +91,8 @@ def _line(detail: ErrorDetails, model: type[BaseModel], lists: set[str]) -> str:
     shown = _short(detail["input"])
     context = detail.get("ctx", {})
     if kind == "extra_forbidden":
+        if key in _GONE:
+            return f"{key}: {_GONE[key]}"
         keys = _known_beside(model, path)
         module = f"; one of your own needs {OWN_INGREDIENTS}=MODULE" if len(path) == 1 and "kick" in keys else ""
         near = suggestion(str(path[-1]), keys)
@@ -128,6 +130,11 @@ def _elsewhere(path: list[int | str], model: type[BaseModel]) -> str:
     keys = ([word] if word in first and len(path) > 1 else []) + keys
     return f" (did you mean {' or '.join(f'`{key}`' for key in keys)}?)" if 0 < len(keys) <= _FEW else ""
 
+
+_GONE = {
+    "output.snapshots": "is no key any more; leave it out, and output.beads too to have all beads in every frame",
+}
+"""Keys of earlier releases, and what to do in their place."""
 
 _FEW = 6
 """Parts among which a user can choose."""

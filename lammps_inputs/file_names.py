@@ -14,7 +14,6 @@ DATA = "data.chains"
 TABLES = "in.tables"
 """Long tables of forces over time, which the deck includes."""
 DUMP = "chains.dump.bin"
-SNAPSHOTS = "chains.snapshots.bin"
 LOG = "log.lammps"
 
 CONTINUE = "in.continue"

@@ -184,8 +184,6 @@ class Output(ScenePart):
     """Time between frames; 0.1 T if omitted, or the nearest whole number of time steps below that."""
     beads: Recorded = "all"
     """Recorded beads of every chain."""
-    snapshots: Annotated[Positive, Unit("s")] | None = None
-    """Time between snapshots of all beads, in addition to the frames of the recorded ones."""
     forces: Forces | None = None
     """Where forces are evaluated."""
     spectra: Spectra | None = None
@@ -215,21 +213,3 @@ class Output(ScenePart):
             self.forces.refuse(system, self.beads, window=window)
         if self.spectra is not None:
             self.spectra.refuse(system.beads, self.beads, duration, window=window)
-
-    def refuse_times(self, every: float, duration: float | None) -> None:
-        """Refuse snapshots that do not fit in with frames so far apart.
-
-        Raises:
-            ValueError: as `refuse`.
-        """
-        if self.snapshots is None:
-            return
-        frames = self.snapshots / every
-        if duration is not None and frames * every > duration * (1.0 + 1e-9):
-            raise ValueError(f"output.snapshots: {frames * every:g} is longer than the duration of {duration:g}")
-        if self.beads == "all":
-            raise ValueError("output.snapshots: every frame holds all beads already; name some in output.beads")
-        if round(frames) < 1 or abs(round(frames) / frames - 1.0) > 1e-9:
-            raise ValueError(
-                f"output.snapshots: is {frames:g} times output.every = {every:g}; a whole number of times is needed"
-            )

@@ -3,16 +3,18 @@
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import numpy as np
-from numpy.typing import NDArray
-
 from lammps_inputs import physics
 from lammps_inputs.deck_lines import BeadLayout
 from lammps_inputs.facts import Fact
 from lammps_inputs.layout import layout_of
+from lammps_inputs.limits import rates
+from lammps_inputs.rows import Rows
 from lammps_inputs.scheme import SchemeName, cycle
 from lammps_inputs.system import System
 from lammps_inputs.units import Scale
+
+LOOK = 2.0
+"""Time between two looks at the front that rows follow, in units of T, in which a pulse passes two beads at most."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,15 +35,15 @@ class Problem:
     steps_per_frame: int
     frames: int
     """Recorded instants after the start; the start itself is frame 0."""
-    recorded: tuple[int, ...] | None
-    """Beads of every chain that are recorded, ascending; None for all."""
+    rows: Rows
+    """Beads of every chain that exist in LAMMPS, and those that frames hold."""
     scale: Scale
-    frames_per_snapshot: int | None = None
-    """Frames from one snapshot of all beads to the next; None where there are none."""
     scheme: SchemeName = "verlet"
     """Integration scheme of LAMMPS; ``timestep`` and ``steps`` are those of its Verlet steps, averaged over a cycle."""
-    window: int | None = None
-    """Rows that exist, near the front; None for all."""
+
+    def __post_init__(self) -> None:
+        if self.rows.beads != self.system.beads:
+            raise ValueError(f"rows of {self.rows.beads} beads, but the chains have {self.system.beads}")
 
     @property
     def chains(self) -> int:
@@ -51,7 +53,7 @@ class Problem:
     @property
     def lines(self) -> int:
         """Lines of atoms in a frame: the chains, and further lines after them where all beads are recorded."""
-        return physics.lines(self.system) if self.recorded is None else self.system.chains
+        return physics.lines(self.system) if self.rows.neighbours else self.system.chains
 
     @property
     def beads(self) -> int:
@@ -62,12 +64,22 @@ class Problem:
     def layout(self) -> BeadLayout:
         """Diameter and places of the beads in LAMMPS."""
         layout = layout_of(self.system)
-        return layout if self.window is None else replace(layout, rows=self.window)
+        return replace(layout, rows=self.rows.existing) if self.rows.follow else layout
 
     @property
     def cycle(self) -> int:
         """Verlet steps in a cycle of the scheme."""
         return cycle(self.scheme)
+
+    @cached_property
+    def steps_between_stops(self) -> int:
+        """Steps between which a run may stop: a cycle of the scheme; where rows follow the front, those between two
+        looks at it.
+        """
+        cycle = self.cycle
+        if not self.rows.follow:
+            return cycle
+        return max(1, int(LOOK / (rates.front_speed(self.system) * self.timestep)) // cycle) * cycle
 
     @property
     def steps(self) -> int:
@@ -85,24 +97,9 @@ class Problem:
         return self.frames * self.every
 
     @property
-    def rows(self) -> int:
-        """Rows of beads that exist in LAMMPS."""
-        return self.window or self.system.beads
-
-    @property
-    def rows_a_frame(self) -> int:
-        """Rows of beads that a frame holds."""
-        return self.rows if self.recorded is None else len(self.recorded)
-
-    @property
-    def whole(self) -> bool:
-        """Whether every frame holds every bead, so that the states obey the conservation laws."""
-        return self.recorded is None and self.window is None
-
-    @property
     def forces_known(self) -> bool:
-        """Whether every frame determines the forces on its beads, but for those at the ends of a window."""
-        return self.recorded is None and self.system.holds(Fact.FRAMES)
+        """Whether every frame determines the forces on its beads, but for those at the ends of rows that follow."""
+        return self.rows.neighbours and self.system.holds(Fact.FRAMES)
 
     @property
     def direction(self) -> int:
@@ -113,32 +110,15 @@ class Problem:
     @property
     def columns(self) -> tuple[str, ...]:
         """Columns of a dump after the atoms' numbers."""
-        return ("x", "vx", *self.state_columns) if self.window is None else ("mol", "x", "vx")
+        return ("mol", "x", "vx") if self.rows.follow else ("x", "vx", *self.state_columns)
 
     @property
     def state_columns(self) -> tuple[str, ...]:
         """Columns of a dump with the state of the contact behind each bead, and of that ahead where a wall is behind
         the last bead; none where no force depends on one, or not all beads are recorded.
         """
-        return physics.state_headings(self.system) if self.recorded is None else ()
-
-    @property
-    def recorded_beads(self) -> NDArray[np.int64]:
-        """Numbers of the recorded beads, counted from 1, [recorded bead]."""
-        if self.recorded is None:
-            return np.arange(1, self.system.beads + 1)
-        return np.array(self.recorded, dtype=np.int64)
+        return physics.state_headings(self.system) if self.rows.neighbours else ()
 
     def coarser(self, stride: int) -> "Problem":
         """Problem with only every stride-th frame."""
         return replace(self, steps_per_frame=self.steps_per_frame * stride, frames=self.frames // stride)
-
-    def snapshots(self) -> "Problem":
-        """Problem whose frames are its snapshots of all beads.
-
-        Raises:
-            ValueError: it has none.
-        """
-        if self.frames_per_snapshot is None:
-            raise ValueError("this problem has no snapshots")
-        return replace(self.coarser(self.frames_per_snapshot), recorded=None, frames_per_snapshot=None)

@@ -42,6 +42,7 @@ from lammps_inputs.links import Across
 from lammps_inputs.numbers import plain_values
 from lammps_inputs.output import Limits, Output, too_far_apart
 from lammps_inputs.problem import Problem
+from lammps_inputs.rows import Rows
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.static_load import LoadError, under_load
 from lammps_inputs.system import System
@@ -268,8 +269,8 @@ class BaseScene(ScenePart, metaclass=SceneType):
         """Refuse a window where what leaves it matters."""
         if self.window is None:
             return
-        if self.output.beads != "all" or self.output.snapshots is not None:
-            raise ValueError("window: records the rows that exist; leave output.beads and output.snapshots out")
+        if self.output.beads != "all":
+            raise ValueError("window: records the rows that exist; leave output.beads out")
         for number, kick in enumerate(self.kicks):
             key = _kick_key(self, number)
             if kick.velocity < 0.0:
@@ -445,7 +446,6 @@ class BaseScene(ScenePart, metaclass=SceneType):
                 f"timestep: {self.timestep:g} does not divide output.every = {every:g} evenly; "
                 f"leave it out for an accuracy of {DEFAULT_ACCURACY:g} V, or try {every / steps:.12g}"
             )
-        self.output.refuse_times(every, self.duration)
 
     def _check_contacts(self, ball: Material, system: System) -> None:
         """Refuse what no contact of elastic spheres is, though the dimensionless numbers would be sane."""
@@ -704,17 +704,16 @@ class BaseScene(ScenePart, metaclass=SceneType):
             )
         scale, system = self.scale, self.system
         every, steps = self._cadence()
+        recorded = None if self.output.beads == "all" else self.output.beads
         return Problem(
             system=system,
             name=self.name,
             timestep=every / scale.time / steps,
             steps_per_frame=steps,
             frames=max(1, math.ceil(self.duration / every * (1.0 - 1e-9))),
-            recorded=None if self.output.beads == "all" else self.output.beads,
+            rows=Rows(self.beads).only(recorded).near_front(self.window),
             scale=scale,
-            frames_per_snapshot=None if self.output.snapshots is None else round(self.output.snapshots / every),
             scheme=self.scheme or "verlet",
-            window=None if self.window is None or self.window >= self.beads else self.window,
         )
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:

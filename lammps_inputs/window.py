@@ -12,14 +12,11 @@ step begins with, is done before. A move therefore belongs to the step that foll
 Examples:
     >>> window.behind(window.LEAST_WINDOW)
     40
-    >>> window.stride(granchain.load("one-chain").problem())
-    1
 """
 
 import itertools
 
 from lammps_inputs import scheme
-from lammps_inputs.limits import rates
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 
@@ -30,9 +27,6 @@ HEADROOM = 8
 """Rows at rest ahead of the front below which the window moves on."""
 
 OUTRUN = "the front has reached the head of the window: take shorter time steps"
-
-LOOK = 2.0
-"""Time between two looks at the front, in units of T, in which a pulse passes two beads at most."""
 
 
 def block(window: int) -> int:
@@ -50,17 +44,9 @@ def rows_for(rows: int) -> int:
     return next(width for width in itertools.count(LEAST_WINDOW) if behind(width) >= rows)
 
 
-def stride(problem: Problem) -> int:
-    """Steps between which a run may stop: a cycle of the scheme; with a window those between two looks at the front."""
-    cycle = problem.cycle
-    if problem.window is None:
-        return cycle
-    return max(1, int(LOOK / (rates.front_speed(problem.system) * problem.timestep)) // cycle) * cycle
-
-
 def setup_lines(problem: Problem, *, continued: bool = False) -> list[str]:
     """Variables and groups that know where the front is; ``tail`` and ``head`` are rows."""
-    window, spacing = problem.rows, text(problem.layout.spacing)
+    window, spacing = problem.rows.existing, text(problem.layout.spacing)
     tail = [f"variable tail equal $(bound(all,xmin)/{spacing}:%.0f)"] if continued else []
     return [
         "# a window that follows the pulse: rows at the tail are moved to the head, at rest; molecule = row",
@@ -113,7 +99,7 @@ def travel_lines(problem: Problem) -> list[str]:
 
     The variable ``stretch`` holds the steps to the next look at the front, or to the end of the run.
     """
-    steps, verlet = stride(problem), problem.scheme == "verlet"
+    steps, verlet = problem.steps_between_stops, problem.scheme == "verlet"
     left, next_look = "(v_steps-step)", f"({steps}-step%{steps})"  # also of a run that is continued in between
     run = ["run $(v_stretch:%.0f) pre no post no"]
     if not verlet:

@@ -35,6 +35,7 @@ from lammps_inputs import Problem, physics
 from lammps_inputs.deck_lines import DeckLines
 from lammps_inputs.decks import deck
 from lammps_inputs.laws.in_time import TabulatedForce
+from lammps_inputs.rows import Rows
 
 MEMORY = 1000
 """Memory in bytes a bead of a single chain at the start, when it is largest; 600 to 700 for coupled chains."""
@@ -108,7 +109,7 @@ def cost(problem: Problem, ranks: int) -> Cost:
         The cost, in s and bytes.
     """
     frame, frames = sizes(problem)
-    largest = math.ceil(problem.rows / ranks) * problem.chains
+    largest = math.ceil(problem.rows.existing / ranks) * problem.chains
     fixed, bead = step_seconds(problem)
     step = fixed + bead * largest + MESSAGES * (ranks > 1)
     return Cost(step, step * problem.steps + frame_seconds(frames, problem.frames), frame, frames)
@@ -162,8 +163,7 @@ def _first_rows(problem: Problem) -> Problem:
             loads=tuple(replace(load, bead=min(load.bead, _ROWS)) for load in system.loads),
             motions=tuple(replace(motion, bead=min(motion.bead, _ROWS)) for motion in system.motions),
         ),
-        recorded=None,
-        window=None,
+        rows=Rows(_ROWS),
     )
 
 

@@ -16,7 +16,7 @@ class OtherFramesError(InputError):
 
 def on_common_rows(*blocks: Trajectory) -> tuple[Trajectory, ...]:
     """Trajectories at the rows that all of them hold, where windows follow the pulse; else unchanged."""
-    if blocks[0].problem.window is None:
+    if not blocks[0].problem.rows.follow:
         return blocks
     first, last = max(int(block.beads[0]) for block in blocks), min(int(block.beads[-1]) for block in blocks)
     return tuple(block.on(first, last) for block in blocks)
@@ -28,11 +28,11 @@ def near_the_front(block: Trajectory) -> Trajectory:
     Rows near the tail lack the influence of those behind the window. That spreads into the window more slowly than
     the window moves on.
     """
-    window = block.problem.window
-    if window is None or block.first == 1:
+    rows = block.problem.rows
+    if not rows.follow or block.first == 1:
         return block
     head = int(block.beads[-1])
-    return block.on(head - window // 2 + 1, head)
+    return block.on(head - rows.existing // 2 + 1, head)
 
 
 def of_common_atoms(first: Trajectory, second: Trajectory) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
@@ -59,9 +59,9 @@ def of_recorded(trajectory: Trajectory, problem: Problem) -> Trajectory:
 
     Resonators are left out where beads are.
     """
-    if problem.recorded is None:
+    if problem.rows.neighbours:
         return replace(trajectory, problem=problem)
-    columns = np.searchsorted(trajectory.problem.recorded_beads, problem.recorded_beads)
+    columns = trajectory.problem.rows.positions(problem.rows.numbers)
     return replace(
         trajectory,
         problem=problem,
@@ -142,23 +142,23 @@ def at_times(trajectory: Trajectory, times: Floats) -> Trajectory:
         InputError: a time lies outside by more than a hundredth of a frame, or there are fewer than four frames, or
             they are not evenly spaced.
     """
-    recorded = trajectory.time
+    instants = trajectory.time
     if trajectory.frames < len(_NODES):
         raise InputError(f"{trajectory.frames} frames are too few to interpolate between; at least {len(_NODES)}")
-    spacing = (recorded[-1] - recorded[0]) / (trajectory.frames - 1)
-    if not np.allclose(np.diff(recorded), spacing, rtol=1e-6, atol=0.0):
+    spacing = (instants[-1] - instants[0]) / (trajectory.frames - 1)
+    if not np.allclose(np.diff(instants), spacing, rtol=1e-6, atol=0.0):
         raise InputError("frames are not evenly spaced in time, so there is no interpolating between them")
-    if len(times) and (times[0] < recorded[0] - MARGIN * spacing or times[-1] > recorded[-1] + MARGIN * spacing):
+    if len(times) and (times[0] < instants[0] - MARGIN * spacing or times[-1] > instants[-1] + MARGIN * spacing):
         raise InputError(
-            f"times {times[0]:.6g} to {times[-1]:.6g} reach beyond the run's {recorded[0]:.6g} to {recorded[-1]:.6g} "
+            f"times {times[0]:.6g} to {times[-1]:.6g} reach beyond the run's {instants[0]:.6g} to {instants[-1]:.6g} "
             "(dimensionless)"
         )
-    start = np.clip(np.searchsorted(recorded, times, side="right") - 2, 0, trajectory.frames - len(_NODES))
-    before = np.clip(np.searchsorted(recorded, times, side="right") - 1, 0, trajectory.frames - 1)
+    start = np.clip(np.searchsorted(instants, times, side="right") - 2, 0, trajectory.frames - len(_NODES))
+    before = np.clip(np.searchsorted(instants, times, side="right") - 1, 0, trajectory.frames - 1)
     x, v = trajectory.atoms
     data = np.array([(x[start + node], v[start + node]) for node in _NODES])
     polynomials = hermite.coefficients(_NODES, data, float(spacing))
-    s = ((times - recorded[start]) / spacing)[:, np.newaxis, np.newaxis] * np.ones(x.shape[1:])
+    s = ((times - instants[start]) / spacing)[:, np.newaxis, np.newaxis] * np.ones(x.shape[1:])
     velocity = hermite.value(hermite.derivative(polynomials), s) / spacing
     return trajectory[before].with_motion(times, hermite.value(polynomials, s), velocity)
 

@@ -206,7 +206,7 @@ class Difference:
     def _add_to_map(self, block: Trajectory, difference: Floats) -> None:
         """Add largest |velocity difference| [frame, line, bead] of rows to a map of some hundred cells a side."""
         frames_a_cell = max(1, -(-(block.problem.frames + 1) // MAP_CELLS))
-        beads = block.problem.recorded_beads
+        beads = block.problem.rows.numbers
         thin = max(1, -(-len(beads) // MAP_CELLS))
         size = np.full((block.frames, len(beads)), np.nan)
         size[:, block.first - 1 : block.first - 1 + difference.shape[2]] = np.abs(difference).max(axis=1)
@@ -242,9 +242,9 @@ class Difference:
             result["amplitude"] = self._of_peaks("amplitude", passages.velocity - right.velocity, right)
         if np.any(timed) and leads:
             result["arrival"] = self._of_peaks("arrival", (passages.time - right.time)[timed], right.where(timed))
-        if problem.whole and (system.holds(Fact.ENERGY) or system.dampers):
+        if problem.rows.complete and (system.holds(Fact.ENERGY) or system.dampers):
             result["energy"] = Deviation(self.conservation.energy_drift, math.nan)
-        if problem.whole and system.holds(Fact.MOMENTUM):
+        if problem.rows.complete and system.holds(Fact.MOMENTUM):
             result["momentum"] = Deviation(self.conservation.momentum_drift, math.nan)
         return result
 
@@ -258,7 +258,7 @@ class Difference:
     def error_map(self) -> "ErrorMap":
         """Differences of the velocities in cells of some frames by some beads."""
         times = np.array([*self._times, self._last_time])
-        each = self._problem is None or len(self._problem.recorded_beads) <= MAP_CELLS
+        each = self._problem is None or len(self._problem.rows.numbers) <= MAP_CELLS
         return ErrorMap(times, self._cell_beads, np.array(self._map), each)
 
 

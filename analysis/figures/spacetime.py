@@ -68,7 +68,6 @@ class BeadHistory:
         self.beads: Integers = np.array(beads, dtype=np.int64)
         self.chains = shown_chains(problem, panels=panels)
         self.until = 0.0
-        self._columns = np.searchsorted(problem.recorded_beads, self.beads)
         self._stride = stride
         self._seen = 0
         self._time: list[Floats] = []
@@ -80,10 +79,10 @@ class BeadHistory:
         self._seen += block.frames
         self.until = float(block.time[-1])
         time, velocities = block.time[frames].copy(), block.velocity[frames][:, self.chains]
-        column = self._columns - (block.first - 1)
-        recorded = (column >= 0) & (column < velocities.shape[2])
+        column = block.positions(self.beads)
+        held = (column >= 0) & (column < velocities.shape[2])
         velocity = np.where(column < 0, np.nan, np.zeros((len(time), len(self.chains), len(column))))
-        velocity[..., recorded] = velocities[:, :, column[recorded]]
+        velocity[..., held] = velocities[:, :, column[held]]
         self._time.append(time)
         self._velocity.append(velocity)
 
@@ -102,7 +101,7 @@ class SpaceTime(BeadHistory):
     """Velocity of as many recorded beads and frames as a picture can show, at most `MAX_PIXELS` each."""
 
     def __init__(self, problem: Problem) -> None:
-        beads = problem.recorded_beads[:: max(1, -(-len(problem.recorded_beads) // MAX_PIXELS))]
+        beads = problem.rows.numbers[:: max(1, -(-len(problem.rows.numbers) // MAX_PIXELS))]
         super().__init__(problem, beads, panels=True, stride=max(1, -(-(problem.frames + 1) // MAX_PIXELS)))
 
 

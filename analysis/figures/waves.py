@@ -54,7 +54,7 @@ def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, d
     chains, several = shown_chains(problem), problem.chains > 1
     shares = 1 < problem.chains <= FEW and bool(np.any(np.isfinite(energies.chain)))
     count = 2 + shares + several
-    without = np.setdiff1d(along_the_way(problem, problem.recorded_beads), shared.bead)
+    without = np.setdiff1d(along_the_way(problem, problem.rows.numbers), shared.bead)
     missing = Missing(without, period_of(problem.system))
     energy_beads = shared.bead[energies.place]
     figure = new_figure(0.8 + 2.0 * count)

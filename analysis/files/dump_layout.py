@@ -53,14 +53,10 @@ class DumpLayout:
 
 
 def sizes(problem: "Problem") -> tuple[float, float]:
-    """Size of a frame, and of all frames and snapshots of a run, in bytes."""
-    columns = 3 if problem.window is None else 4
-    frame = HEADER + 8.0 * columns * problem.chains * problem.rows_a_frame
-    frames = frame * (problem.frames + 1)
-    if problem.frames_per_snapshot is not None:
-        snapshot = HEADER + 24.0 * problem.chains * problem.rows
-        frames += snapshot * (1 + problem.frames // problem.frames_per_snapshot)
-    return frame, frames
+    """Size of a frame, and of all frames of a run, in bytes."""
+    columns = 4 if problem.rows.follow else 3
+    frame = HEADER + 8.0 * columns * problem.chains * problem.rows.count
+    return frame, frame * (problem.frames + 1)
 
 
 def parse(raw: bytes) -> DumpLayout:

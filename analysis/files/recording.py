@@ -33,13 +33,13 @@ class OtherTimesError(InputError):
 
 def rest_positions(problem: Problem) -> Floats:
     """[chain, recorded bead] x of the beads where LAMMPS has them at the start, to the last bit."""
-    return np.asarray(problem.layout.places[:, problem.recorded_beads - 1])
+    return np.asarray(problem.layout.places[:, problem.rows.numbers - 1])
 
 
 def atom_ids(problem: Problem) -> Integers:
     """[chain, recorded bead] numbers of the recorded beads' atoms: (chain - 1) * rows + row, all rows in a window."""
-    row = problem.recorded_beads if problem.window is None else np.arange(1, problem.window + 1)
-    return np.arange(problem.chains)[:, np.newaxis] * problem.rows + row
+    row = np.arange(1, problem.rows.existing + 1) if problem.rows.follow else problem.rows.numbers
+    return np.arange(problem.chains)[:, np.newaxis] * problem.rows.existing + row
 
 
 def rest_of_atoms(problem: Problem) -> Floats:
@@ -78,10 +78,10 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
             continue
         path = dump.path
         if not np.array_equal(dump.ids, ids):
-            recorded = "all" if problem.recorded is None else f"{len(problem.recorded)} recorded"
+            held = "all" if problem.rows.neighbours else f"{problem.rows.count} recorded"
             raise InputError(
                 f"{path}: its {dump.n_atoms} atoms are not the {len(ids)} of {problem.name} "
-                f"({problem.chains} chains, {recorded} of {problem.beads} beads)"
+                f"({problem.chains} chains, {held} of {problem.beads} beads)"
             )
         if not np.all(np.diff(dump.steps) > 0):
             raise InputError(f"{path}: its steps go back, so it is not one run")
@@ -142,14 +142,14 @@ def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajec
         yield _of_all_lines(problem, time, values)
         return
     values = values.reshape(len(time), -1, *atom_ids(problem).shape)
-    if problem.window is None:
+    if not problem.rows.follow:
         values[:, 0] -= rest_positions(problem)
         yield Trajectory(problem, time, values[:, 0], values[:, 1], contact_state=_contact_state(values[:, 2:]))
         return
     tail = values[:, 0].min(axis=(1, 2)).astype(np.int64)
     for frames in np.split(np.arange(len(time)), np.flatnonzero(np.diff(tail)) + 1):
-        row = np.arange(tail[frames[0]], tail[frames[0]] + problem.rows)
-        ordered = values[frames][..., (row - 1) % problem.rows]
+        row = np.arange(tail[frames[0]], tail[frames[0]] + problem.rows.existing)
+        ordered = values[frames][..., (row - 1) % problem.rows.existing]
         if not np.all(ordered[:, 0] == row):
             raise ValueError(f"frame {frames[0]}: its molecules are not rows of a window")
         displacement = ordered[:, 1] - row * problem.layout.spacing
@@ -202,7 +202,7 @@ class Writer:
 
     def __init__(self, path: Path | str, problem: Problem) -> None:
         """Begin a dump of the recorded beads, or of all atoms with all of them; an existing file is replaced."""
-        self._shape = problem.lines, problem.rows_a_frame
+        self._shape = problem.lines, problem.rows.count
         ids = all_ids(problem)
         self._rest = rest_of_atoms(problem)
         self._timestep = problem.timestep

@@ -237,7 +237,7 @@ def _column(block: Trajectory, values: Floats, bead: int) -> Floats:
     """Values of a bead, [frame, chain]; 0 for a body at rest."""
     if bead == 0:
         return np.zeros(values.shape[:2])
-    return np.asarray(values[:, :, int(np.searchsorted(block.problem.recorded_beads, bead))])
+    return np.asarray(values[:, :, block.positions(bead)])
 
 
 def _acceleration(block: Trajectory, bead: int) -> Floats:

@@ -38,14 +38,14 @@ def universe(problem: Problem, dumps: Sequence[Path | str]) -> MDAnalysis.Univer
         format=BinaryDumpReader.format[0],
         parts=parts,
         timestep=problem.timestep,
-        rest=None if problem.window is not None else rest_of_atoms(problem),
+        rest=None if problem.rows.follow else rest_of_atoms(problem),
         scale=problem.scale,
     )
 
 
 def topology_of(problem: Problem) -> Topology:
     """The recorded atoms of a problem: chains and lines of resonators as segments, springs between them as bonds."""
-    number, rows = all_ids(problem), problem.rows
+    number, rows = all_ids(problem), problem.rows.existing
     line, bead = (number - 1) // rows, (number - 1) % rows + 1
     masses = np.broadcast_to(physics.masses(problem.system), (physics.lines(problem.system), problem.beads))
     layout = problem.layout
@@ -63,7 +63,7 @@ def topology_of(problem: Problem) -> Topology:
 
 def _bonds(problem: Problem, number: Integers) -> Integers:
     """Places in ``number`` of the atoms at both ends of each spring, [bond, 2]."""
-    rows, ends = problem.rows, [np.empty((0, 2), dtype=np.int64)]
+    rows, ends = problem.rows.existing, [np.empty((0, 2), dtype=np.int64)]
     for link in problem.system.across:
         for edge, tied in zip(link.edges, link.acts(problem.beads), strict=True):
             row = np.flatnonzero(tied[:rows]) + 1

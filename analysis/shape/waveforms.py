@@ -119,7 +119,7 @@ class Waveforms:
         self._instants, self._reach = Instants(arrival, problem), reach(problem)
         self._energy = np.full((2, 3, len(passages)), np.nan)
         """Energy and its first two derivatives at the frames before and after a passage."""
-        self._column = np.searchsorted(problem.recorded_beads, passages.bead)
+        self._column = problem.rows.positions(passages.bead)
         self._frames = 0
 
     def add(self, block: Trajectory) -> None:
@@ -210,7 +210,7 @@ class Waveforms:
         momentum_error = self._momentum_error(momentum, mass[:, 0], forward)
         stated = momentum_error <= LARGEST_UNCERTAINTY * np.abs(momentum)
         alone = kinetic / kinetic_share if physics.alike(self.problem.system) else np.nan * kinetic
-        energy, error = self.energy() if self.problem.recorded is None else (alone, np.full_like(alone, np.nan))
+        energy, error = self.energy() if self.problem.rows.neighbours else (alone, np.full_like(alone, np.nan))
         xi = exact.speed_at(peak) * late
         difference = np.abs(self.velocity / peak - exact.velocity(xi))
         compared = watched & (np.abs(xi) <= COMPARED)

@@ -50,7 +50,7 @@ class ChainMeter:
         self._elastic = 1 if rigid_first else 0
         self._problem = problem
         self._impulses = ImpulseMeter(problem)
-        self._flows = (EnergyFlow(problem), EnergyFlow(problem)) if problem.whole else None
+        self._flows = (EnergyFlow(problem), EnergyFlow(problem)) if problem.rows.complete else None
         self.last_time = 0.0
 
     def add(self, first: Trajectory, second: Trajectory) -> None:

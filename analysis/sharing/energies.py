@@ -230,7 +230,7 @@ class EnergyShares:
         self.problem = problem
         self._shared = shared
         arrival = shared.of_tied(shared.arrival)
-        defined = np.flatnonzero(np.all(np.isfinite(arrival), axis=1)) if problem.recorded is None else np.arange(0)
+        defined = np.flatnonzero(np.all(np.isfinite(arrival), axis=1)) if problem.rows.neighbours else np.arange(0)
         count = min(len(defined), MAX_PLACES)
         self.place = defined[np.unique(np.linspace(0, max(len(defined) - 1, 0), count).round().astype(np.int64))]
         time = np.mean(arrival[self.place], axis=1) if count else np.zeros(0)
@@ -273,7 +273,7 @@ class EnergyShares:
         error = at_instants.uncertainty + self._late[entry, np.newaxis] * np.abs(at_instants.rate)
         error = error[:2] / self._shared.energy
         error[1] += sum(np.abs(other - wave) for other in others)
-        if self.problem.window is not None:
+        if self.problem.rows.follow:
             chain = np.full_like(chain, np.nan)
         stated = (error <= LARGEST_UNCERTAINTY) & np.isfinite([chain, wave])
         self.chain[entry], self.wave[entry] = np.where(stated, [chain, wave], np.nan)

@@ -389,7 +389,7 @@ def sharing(waves: Waves, problem: Problem, impulses: Impulses | None = None) ->
     """
     system = problem.system
     kicked, kicked_bead, _ = physics.largest_excitation(system)
-    beads = problem.recorded_beads
+    beads = problem.rows.numbers
     place = {int(bead): k for k, bead in enumerate(beads)}
     rows = np.array([place[int(bead)] for bead in waves.bead], dtype=np.int64)
 

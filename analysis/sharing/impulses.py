@@ -115,11 +115,11 @@ class ImpulseMeter:
     """
 
     def __init__(self, problem: Problem, direction: int = 1) -> None:
-        recorded = problem.recorded_beads
+        beads = problem.rows.numbers
         self.problem = problem if direction > 0 else mirrored_problem(problem)
         self._direction = direction
-        self._pair = np.flatnonzero(np.diff(recorded) == 1)
-        self._bead = recorded[self._pair] + 1
+        self._pair = np.flatnonzero(np.diff(beads) == 1)
+        self._bead = beads[self._pair] + 1
         shape = (problem.chains, len(self._pair))
         self._first, self._total, self._moment = np.zeros((3, *shape))
         self._contacts = np.zeros(shape, dtype=np.int64)
@@ -148,7 +148,7 @@ class ImpulseMeter:
         if self._carried is None or self._start is None:
             raise ValueError("no frames to measure")
         imbalance = float("nan")
-        if self.problem.recorded is None and self.problem.system.holds(Fact.MOMENTUM):
+        if self.problem.rows.neighbours and self.problem.system.holds(Fact.MOMENTUM):
             gained = ((self._carried.velocity[0] - self._start) * self.problem.system.mass).sum(axis=0)
             ahead = np.cumsum(gained[::-1])[::-1][1:]
             imbalance = float(np.max(np.abs(self._total.sum(axis=0) - ahead)))
@@ -204,7 +204,7 @@ class ImpulseMeter:
 
 def meter_of(problem: Problem) -> ImpulseMeter | None:
     """A meter of the impulses by which chains are compared; None where they are not, or not all beads are recorded."""
-    measured = problem.whole and compared_by_impulses(problem.system)
+    measured = problem.rows.complete and compared_by_impulses(problem.system)
     return ImpulseMeter(problem, problem.direction) if measured else None
 
 

@@ -458,7 +458,7 @@ def _first_reading(
     if impulses is not None:
         vars(made)["impulses"] = impulses
         readers.pop("impulses", None)
-    counts = counted if physics.exchanges(problem.system) and problem.whole else None
+    counts = counted if physics.exchanges(problem.system) and problem.rows.complete else None
     for block in made.read():
         if counts is not None and block.exchange is None:
             block = counts(block)

@@ -190,7 +190,7 @@ def _begins_within(first: Peaks, problem: Problem) -> Flags:
     along = first.direction * first.bead
     begins = np.full(problem.chains + 1, np.max(along, initial=-problem.beads))
     np.minimum.at(begins, first.chain, along)
-    return np.asarray((along == begins[first.chain]) & (along > np.min(first.direction * problem.recorded_beads)))
+    return np.asarray((along == begins[first.chain]) & (along > np.min(first.direction * problem.rows.numbers)))
 
 
 def speeds_of_pulses(waves: Waves, pulses: tuple[Pulse, ...], direction: int) -> Waves:

@@ -180,7 +180,7 @@ class PeakFinder:
         """Add the maxima whose largest frames are given, in the order of time."""
         if self._first_only:
             if self._passed is None:
-                self._passed = np.zeros((block.problem.chains, len(block.problem.recorded_beads)), dtype=bool)
+                self._passed = np.zeros((block.problem.chains, len(block.problem.rows.numbers)), dtype=bool)
             place = chain * self._passed.shape[1] + bead + block.first - 1
             _, first = np.unique(place, return_index=True)
             first = first[~self._passed.flat[place[first]]]

@@ -105,21 +105,19 @@ def track_pulses(peaks: Peaks, problem: Problem, *, smallest: float = SMALLEST) 
     direction = peaks.direction
     if direction < 0:
         peaks = in_mirror(peaks, problem)
-    like = problem.recorded_beads[of_one_kind(problem)[problem.recorded_beads - 1]]
+    like = problem.rows.numbers[of_one_kind(problem)[problem.rows.numbers - 1]]
     if len(like) == 0:
-        like = problem.recorded_beads
-    recorded = like if direction > 0 else mirrored_bead(problem, like)[::-1]
-    least = max(2, min(LEAST_BEADS, len(recorded)))
+        like = problem.rows.numbers
+    beads = like if direction > 0 else mirrored_bead(problem, like)[::-1]
+    least = max(2, min(LEAST_BEADS, len(beads)))
     exact = wave_of(problem.system)
     speed_at = speed_of_pulses(problem if direction > 0 else mirrored_problem(problem))
     pressed = PRESSED * exact.overlap(0.5) * peaks.velocity ** (2.0 / (exact.exponent + 1.0))
-    passages = peaks.where(
-        (peaks.velocity > 0.25 * smallest) & ~(peaks.overlap < pressed) & np.isin(peaks.bead, recorded)
-    )
+    passages = peaks.where((peaks.velocity > 0.25 * smallest) & ~(peaks.overlap < pressed) & np.isin(peaks.bead, beads))
     pulses = []
     for chain in np.unique(passages.chain):
         in_chain = passages.where(passages.chain == chain)
-        for track in _linked(in_chain, recorded, partial(speed_at, int(chain))):
+        for track in _linked(in_chain, beads, partial(speed_at, int(chain))):
             if len(track) >= least and np.max(in_chain.velocity[track]) >= smallest:
                 tracked = in_chain.where(track)
                 bead = tracked.bead if direction > 0 else mirrored_bead(problem, tracked.bead)
@@ -202,11 +200,11 @@ class _Track:
     bound: float = np.inf
 
 
-def _linked(peaks: Peaks, recorded: Integers, speed_at: Callable[[Integers, Floats], Floats]) -> Iterator[list[int]]:
+def _linked(peaks: Peaks, beads: Integers, speed_at: Callable[[Integers, Floats], Floats]) -> Iterator[list[int]]:
     """Positions in the table of the passages of one chain, pulse by pulse. Beads are taken in ascending order."""
-    starts = np.searchsorted(peaks.bead, recorded)
-    ends = np.searchsorted(peaks.bead, recorded, side="right")
-    place = np.searchsorted(recorded, peaks.bead)
+    starts = np.searchsorted(peaks.bead, beads)
+    ends = np.searchsorted(peaks.bead, beads, side="right")
+    place = np.searchsorted(beads, peaks.bead)
     open_tracks: list[_Track] = []
     for number, (start, end) in enumerate(zip(starts, ends, strict=True)):
         taken: set[int] = set()
@@ -216,7 +214,7 @@ def _linked(peaks: Peaks, recorded: Integers, speed_at: Callable[[Integers, Floa
             bound = np.array([[track.bound] for track in open_tracks])
             candidates = np.arange(start, end)
             amplitude = np.sqrt(peaks.velocity[last][:, np.newaxis] * peaks.velocity[candidates])
-            distance = (recorded[number] - peaks.bead[last])[:, np.newaxis]
+            distance = (beads[number] - peaks.bead[last])[:, np.newaxis]
             delay = (
                 (peaks.time[candidates] - peaks.time[last][:, np.newaxis])
                 * speed_at(peaks.bead[candidates], amplitude)

@@ -40,7 +40,7 @@ def returns(waves: Waves, problem: Problem, direction: int) -> Floats:
         bead, place = np.unique(along, return_inverse=True)
         first = np.full(len(bead), np.inf)
         np.minimum.at(first, place, of_group.time)
-        if len(bead) == 0 or (bead[-1] < problem.beads and problem.recorded is None):
+        if len(bead) == 0 or (bead[-1] < problem.beads and problem.rows.neighbours):
             continue
         end = first[-1]
         if bead[-1] < problem.beads:

@@ -34,11 +34,6 @@ def dump_part(number: int) -> str:
     return file_names.DUMP if number == 1 else f"chains.dump.{number}.bin"
 
 
-def snapshots_part(number: int) -> str:
-    """Name of a part of the snapshots, counted from 1."""
-    return file_names.SNAPSHOTS if number == 1 else f"chains.snapshots.{number}.bin"
-
-
 _FROM_REST = ("variable displaced atom vy", "set group all x v_displaced", "set group all vy 0.0")
 """Takes beads from rest to their places."""
 
@@ -53,7 +48,7 @@ def restart_lines(problem: Problem) -> list[str]:
     return [
         "variable parked atom x",
         # where LAMMPS had a bead at rest, to the last bit
-        f"variable rest atom {layout.place_formula if problem.window is None else f'mol*{text(layout.spacing)}'}",
+        f"variable rest atom {f'mol*{text(layout.spacing)}' if problem.rows.follow else layout.place_formula}",
         "set group all vy v_parked",
         *(["variable force atom fx", "set group all vz v_force"] if forces else []),
         "set group all x v_rest",
@@ -66,10 +61,9 @@ def restart_lines(problem: Problem) -> list[str]:
 def render_continuation(problem: Problem) -> str:
     """The text of ``in.continue``.
 
-    Variables to set: ``restart``, the file to read; ``dump`` (and ``snapshots``), the file to write frames to, of a new
-    name each time; ``steps``, the last step of the whole run.
+    Variables to set: ``restart``, the file to read; ``dump``, the file to write frames to, of a new name each
+    time; ``steps``, the last step of the whole run.
     """
-    dumps = ["frames"] if problem.frames_per_snapshot is None else ["frames", "snapshots"]
     again = f"lmp -in {file_names.CONTINUE}"
     sections = [
         [
@@ -79,7 +73,6 @@ def render_continuation(problem: Problem) -> str:
         [
             f"variable restart index {file_names.RESTART}",
             f"variable dump index {dump_part(2)}",
-            *([f"variable snapshots index {snapshots_part(2)}"] if "snapshots" in dumps else []),
             *deck.number_lines(problem),
             *scheme.variable_lines(problem.scheme),
             deck.STATED,
@@ -99,12 +92,12 @@ def render_continuation(problem: Problem) -> str:
             *deck.motion_lines(problem, "free"),
             *static_load.go_on_lines(problem.system),
         ],
-        *([] if problem.window is None else [window.setup_lines(problem, continued=True)]),
+        *([window.setup_lines(problem, continued=True)] if problem.rows.follow else []),
         [
-            *deck.output_lines(problem, "${dump}", "${snapshots}"),
+            *deck.output_lines(problem, "${dump}"),
             "# no frame before the beads are at their present places",
-            *(f"dump_modify {dump} delay $(step)" for dump in dumps),
-            *(f'if "$(version) < {_TIMED_SINCE}" then "dump_modify {dump} time no"' for dump in dumps),
+            "dump_modify frames delay $(step)",
+            f'if "$(version) < {_TIMED_SINCE}" then "dump_modify frames time no"',
         ],
         _setup_lines(problem),
         onward_lines(problem),
@@ -152,7 +145,7 @@ def onward_lines(problem: Problem, *, timings: bool = True) -> list[str]:
         problem: what is computed.
         timings: whether LAMMPS may end the run with a table of its timings in the log.
     """
-    if problem.window is not None:
+    if problem.rows.follow:
         travel = window.travel_lines(problem)
         travel.remove("run 0 post no")  # the setup
         return [scheme.timestep_command(problem.scheme), *travel]

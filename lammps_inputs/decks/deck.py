@@ -26,7 +26,6 @@ import functools
 import io
 import itertools
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,10 +105,9 @@ def render_deck(problem: Problem, start: Sequence[str] = (), opening: float = 0.
                 ),
             ]
         )
-    if problem.window is not None:
+    if problem.rows.follow:
         sections.append(window.setup_lines(problem))
-    all_rows = problem.window is None
-    run = scheme.run_lines(problem.scheme, "${steps}") if all_rows else window.travel_lines(problem)
+    run = window.travel_lines(problem) if problem.rows.follow else scheme.run_lines(problem.scheme, "${steps}")
     sections.append(output_lines(problem, file_names.DUMP))
     sections.append([scheme.timestep_command(problem.scheme), *moved_lines(problem), *run])
     return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
@@ -242,23 +240,17 @@ def moved_lines(problem: Problem) -> list[str]:
     return [line for part in spelling(problem) for line in part.moved]
 
 
-def output_lines(problem: Problem, dump: str, snapshots: str = file_names.SNAPSHOTS) -> list[str]:
-    """Frames into a file, snapshots into another, and the log; with a group of the recorded beads if not all are."""
-    recorded, group = "all", []
-    if problem.recorded is not None:
+def output_lines(problem: Problem, dump: str) -> list[str]:
+    """Frames into a file, and the log; with a group of the recorded beads if not all are."""
+    atoms_dumped, group = "all", []
+    if not problem.rows.neighbours:
         atoms = problem.chains * problem.beads  # first:last:stride is one bead of every chain
-        listed = " ".join(f"{bead}:{atoms}:{problem.beads}" for bead in problem.recorded)
-        recorded, group = "recorded", [f"group recorded {'type 2' if _types(problem) is None else f'id {listed}'}"]
-    all_columns = " ".join(columns(replace(problem, recorded=None)))
-    snapshot_lines = [
-        f"dump snapshots all custom $({problem.frames_per_snapshot}*v_every:%.0f) {snapshots} {all_columns}",
-        "dump_modify snapshots flush yes time yes",
-    ]
+        listed = " ".join(f"{bead}:{atoms}:{problem.beads}" for bead in problem.rows.numbers)
+        atoms_dumped, group = "recorded", [f"group recorded {'type 2' if _types(problem) is None else f'id {listed}'}"]
     return [
         *group,
-        f"dump frames {recorded} custom ${{every}} {dump} {' '.join(columns(problem))}",
+        f"dump frames {atoms_dumped} custom ${{every}} {dump} {' '.join(columns(problem))}",
         "dump_modify frames flush yes time yes   # each frame is written at once, with its time",
-        *(snapshot_lines if problem.frames_per_snapshot is not None else []),
         *_thermo_lines(problem),
         "thermo ${thermo}",
     ]
@@ -326,7 +318,7 @@ def _tied(system: System) -> bool:
 
 def _atom_style(problem: Problem) -> str:
     """Atoms carry bonds and molecules where they need them."""
-    return "hybrid sphere bond" if _tied(problem.system) or problem.window is not None else "sphere"
+    return "hybrid sphere bond" if _tied(problem.system) or problem.rows.follow else "sphere"
 
 
 def _title(problem: Problem) -> list[str]:
@@ -394,7 +386,7 @@ def _bonds(problem: Problem) -> list[tuple[int, int, NDArray[np.int64]]]:
             numbered = np.where(lines.bonds > 0, lines.bonds + before, 0)
             before += len(lines.coefficients)
             edges = zip(link.edges, numbered, strict=True)
-            bonds += [(lower, higher, types[: problem.rows]) for (lower, higher), types in edges]
+            bonds += [(lower, higher, types[: problem.rows.existing]) for (lower, higher), types in edges]
     return bonds
 
 
@@ -415,11 +407,11 @@ def render_data(problem: Problem) -> str:
     The molecule is the chain, or in a window the row.
     """
     system = problem.system
-    lines, beads, spacing = physics.lines(system), problem.rows, problem.layout.spacing
+    lines, beads, spacing = physics.lines(system), problem.rows.existing, problem.layout.spacing
     mass = np.broadcast_to(physics.masses(system), (lines, system.beads))[:, :beads]
     bonds = _bonds(problem)
     by_contact = _types(problem)
-    types = by_contact.count if by_contact is not None else 1 if problem.recorded is None else 2
+    types = by_contact.count if by_contact is not None else 1 if problem.rows.neighbours else 2
     types += lines > problem.chains
     atoms = np.count_nonzero(mass)
     out = io.StringIO()
@@ -433,8 +425,8 @@ def render_data(problem: Problem) -> str:
     out.write(f"-{side} {text(apart * lines)} ylo yhi\n-{side} {side} zlo zhi\n")
     places = [text(x) for x in problem.layout.places[0, :beads]]
     kind = np.ones(beads, dtype=int)
-    if problem.recorded is not None:
-        kind[problem.recorded_beads - 1] = 2
+    if not problem.rows.neighbours:
+        kind[problem.rows.numbers - 1] = 2
     diameter, unit = text(problem.layout.diameter), sphere_density(problem.layout.diameter)
     same_size = f"{diameter} {text(unit)}"
     out.write(f"\nAtoms # {_atom_style(problem)}\n\n")
@@ -448,7 +440,7 @@ def render_data(problem: Problem) -> str:
             places = [text(x) for x in problem.layout.places[line]]
         rows = enumerate(zip(of_line.tolist(), places, sizes, strict=True))
         if _atom_style(problem) != "sphere":
-            molecules = itertools.repeat(line + 1) if problem.window is None else itertools.count(1)
+            molecules = itertools.count(1) if problem.rows.follow else itertools.repeat(line + 1)
             out.writelines(
                 f"{first + i} {t} {x} {y} 0 {size} {m}\n" for (i, (t, x, size)), m in zip(rows, molecules, strict=False)
             )

@@ -116,7 +116,7 @@ def read(run: Trajectory) -> Readings:
     """Forces at walls, in the first, the middle and the last contact; and where all beads are recorded inside one."""
     beads = run.problem.beads
     middle = (beads // 2,)
-    inside = middle if run.problem.recorded is None else ()
+    inside = middle if run.problem.rows.neighbours else ()
     places = gauges(run.problem.system, wall=True, contacts=(1, *middle, beads - 1), sensors=inside)
     return watch(ForceMeter(run.problem, places), (run[:7], run[7:])).result()
 
@@ -132,7 +132,7 @@ def of_few_beads(run: Trajectory) -> Trajectory:
     beads = run.problem.beads
     recorded = tuple(sorted({1, 2, beads // 2, beads // 2 + 1, beads - 1, beads}))
     places = np.array(recorded) - 1
-    problem = replace(run.problem, recorded=recorded)
+    problem = replace(run.problem, rows=run.problem.rows.only(recorded))
     return Trajectory(problem, run.time, run.displacement[..., places], run.velocity[..., places])
 
 

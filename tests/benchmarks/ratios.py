@@ -40,6 +40,7 @@ from lammps_inputs import Problem, Scene, System, file_names, library, physics, 
 from lammps_inputs.chains import coupled_chains
 from lammps_inputs.decks import deck, scene_files
 from lammps_inputs.numbers import text
+from lammps_inputs.rows import Rows
 from lammps_inputs.units import DIMENSIONLESS
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.lammps import mpi
@@ -393,7 +394,7 @@ def crowd(rows: int, seed: int = 0) -> Problem:
         timestep=1e6,
         steps_per_frame=1,
         frames=1,
-        recorded=None,
+        rows=Rows(rows),
         scale=DIMENSIONLESS,
     )
 

@@ -11,7 +11,7 @@ the entry points of its own ``pyproject.toml``; of its modules this script names
 | what                           | compared                                                             |
 |--------------------------------|----------------------------------------------------------------------|
 | ``in.*``, ``data.chains``      | text without comments and white space at the ends of lines           |
-| frames, snapshots              | bytes                                                                |
+| frames                         | bytes                                                                |
 | ``*.csv``                      | cells, numbers by their values                                       |
 | ``*.json`` but ``run.json``    | values, without times of the clock; a key that is missing is null    |
 | ``*.npz``, netCDF, Parquet     | arrays, columns                                                      |

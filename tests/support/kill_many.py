@@ -108,7 +108,7 @@ def size(directory: Path) -> int:
 def computes(process: "subprocess.Popen[str]", directory: Path, share: float, one: Scene) -> None:
     """Wait until a command has added a share of all frames, or has ended."""
     problem = one.problem()
-    some = 24.0 * problem.chains * len(problem.recorded_beads) * problem.frames * share
+    some = 24.0 * problem.chains * len(problem.rows.numbers) * problem.frames * share
     before = size(directory)
     wait_until(lambda: size(directory) > before + some, process)
 

@@ -39,7 +39,6 @@ def draw(chance: random.Random, number: int | str) -> Scene:
     output = Output(
         every=every * unit.time,
         beads=tuple(sorted(chance.sample(range(1, beads + 1), min(2, beads)))) if some else "all",
-        snapshots=10.0 * unit.time if some else None,
     )
     return Scene(
         name=f"scene-{number}",
@@ -86,7 +85,7 @@ def _draw_more(chance: random.Random, number: int | str) -> Scene:
     kicks = [{"chain": c, "bead": b, "velocity": 1.0 if k == 0 else 0.4} for k, (c, b) in enumerate(sorted(places))]
     output: dict[str, Any] = {"every": 0.5}
     if chance.random() < 0.3:
-        output |= {"beads": sorted(chance.sample(range(1, beads + 1), 2)), "snapshots": 10.0}
+        output |= {"beads": sorted(chance.sample(range(1, beads + 1), 2))}
     more |= {"gap": chance.choice([0.0, 0.0, chance.uniform(0.1, 3.0)]), "duration": chance.uniform(15.0, 60.0)}
     more |= {"scheme": chance.choice([None, None, "suzuki4"]), "output": output, "kick": kicks}
     return Scene.model_validate({"name": f"scene-{number}", "chains": chains, "beads": beads, **more})

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, System
 from lammps_inputs.chains import coupled_chains
+from lammps_inputs.rows import Rows
 from lammps_inputs.units import Scale
 
 Floats = NDArray[np.float64]
@@ -33,10 +34,10 @@ def problem(**changes: Any) -> Problem:
         "timestep": 0.01,
         "steps_per_frame": 10,
         "frames": 100,
-        "recorded": None,
         "scale": REDUCED,
     }
-    return Problem(system=System(**system), **{**options, **changes})
+    rows = Rows(system["beads"]).only(changes.pop("recorded", None)).near_front(changes.pop("window", None))
+    return Problem(system=System(**system), **{"rows": rows, **options, **changes})
 
 
 def rigid_problem(
@@ -57,7 +58,7 @@ def written_down(problem: Problem, motion: Callable[[Floats], tuple[Floats, Floa
     """The frames of a motion given as time [frame, 1, 1] -> displacement and velocity [frame, chain, bead]."""
     time = np.arange(problem.frames + 1) * problem.every
     displacement, velocity = motion(time[:, np.newaxis, np.newaxis])
-    shape = (len(time), problem.chains, len(problem.recorded_beads))
+    shape = (len(time), problem.chains, len(problem.rows.numbers))
     return Trajectory(
         problem, time, np.broadcast_to(displacement, shape).copy(), np.broadcast_to(velocity, shape).copy()
     )

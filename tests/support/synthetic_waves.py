@@ -69,7 +69,7 @@ def exact_waves(
         x[:, 0] += peak**0.8 * exact.displacement(xi)
     if direction < 0:
         x, v = -x[..., ::-1], -v[..., ::-1]
-    columns = what.recorded_beads - 1
+    columns = what.rows.numbers - 1
     return Trajectory(what, time, x[..., columns], v[..., columns])
 
 

@@ -174,7 +174,7 @@ def _seconds(text: str) -> float:
 
 def _checked(check: Check, problem: Problem) -> Iterator[str]:
     """Lines with the run's error and its uncertainty, in units of V and T, in which errors of scenes are comparable."""
-    near = ", in the front half of the window" if problem.window is not None else ""
+    near = ", in the front half of the window" if problem.rows.follow else ""
     where = ""
     if check.where is not None and check.where.time is not None:
         time = problem.scale.written(check.where.time, "time", ".5g")

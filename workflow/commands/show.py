@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from lammps_inputs import InputError, Problem, Scene, library, physics, strict_yaml, values
 from lammps_inputs.limits import closing
-from workflow.prepare.settings import refuse_too_large, refuse_unanalysable, settle, unstable
+from workflow.prepare.settings import found_beforehand, refuse_too_large, refuse_unanalysable, settle, unstable
 from workflow.processor_time import BEFORE_RUN
 from workflow.runs.engines import engine_called
 from workflow.runs.size import Size, least_problem, size_beforehand, size_of, too_large
@@ -65,8 +65,8 @@ def _as_it_is(scene: Scene, source: str, refused: str) -> CommandResult:
     size = size_beforehand(scene, problem, engine_called("reference" if refused else "lammps"))
     above = too_large(scene, replace(size, seconds=None) if size.rough else size)
     shown = scene.model_copy(update={"output": scene.resolved().output})
-    left_open = {"duration": scene.until_bead is not None, "window": scene.window == "auto", "time step": size.rough}
-    names = [name for name, is_open in left_open.items() if is_open]
+    sought = found_beforehand(scene)
+    names = [*(key for key in ("duration", "window") if key in sought), *["time step"] * size.rough]
     step = f"; a rule gives a step of about {scene.scale.written(problem.timestep, 'time', '.3g')}" * size.rough
     trials = f"`run`, `deck` and `show --pilot` find by trials: {', '.join(names)}{step}" if names else ""
     _print(shown, problem, _in_words(size, refused), _warnings(scene, refused, above), trials)

@@ -151,7 +151,7 @@ def open(directory: Path | str) -> Run:
     """
     opened = RunDirectory(Path(directory))
     _ = opened.dumps  # refuses a directory without frames
-    return Run(opened, _OUTCOMES.get(status(opened.path).state, "interrupted"), checking.recorded(opened))
+    return Run(opened, _OUTCOMES.get(status(opened.path).state, "interrupted"), checking.stored_check(opened))
 
 
 @checked

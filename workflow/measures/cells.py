@@ -256,6 +256,6 @@ class CellMeasurement(Measurement):
         """Energies of runs of all beads in which a pulse stays together and no sound runs."""
         problem = run.problem
         pulses = problem.system.holds(Fact.PULSE) and problem.system.holds(Fact.SONIC_VACUUM)
-        if not (problem.whole and pulses) or physics.alike(problem.system):
+        if not (problem.rows.complete and pulses) or physics.alike(problem.system):
             return None
         return CellMeter(problem, tuple(run.scene.replace or ()))

@@ -132,4 +132,4 @@ class EnergyMeasurement(Measurement):
     def meter(cls, run: Recorded) -> EnergyMeter | None:
         """Energies of runs of all beads in which no pulse keeps its shape."""
         problem = run.problem
-        return EnergyMeter(problem) if problem.whole and not problem.system.holds(Fact.PULSE) else None
+        return EnergyMeter(problem) if problem.rows.complete and not problem.system.holds(Fact.PULSE) else None

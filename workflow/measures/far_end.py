@@ -244,4 +244,4 @@ class FarEndMeasurement(Measurement):
     def meter(cls, run: Recorded) -> FarEndMeter | None:
         """The far end of runs of all beads, if these are elastic."""
         problem = run.problem
-        return FarEndMeter(problem) if problem.whole and problem.system.holds(Fact.OVERLAPS) else None
+        return FarEndMeter(problem) if problem.rows.complete and problem.system.holds(Fact.OVERLAPS) else None

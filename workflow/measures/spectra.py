@@ -143,7 +143,7 @@ class VelocitySpectra:
         return SpectrumTable(self.frequency, amplitude)
 
 
-def window(count: int) -> Floats:
+def hann(count: int) -> Floats:
     """Hann's window, [frame], periodic, of sum 1: little leakage to other frequencies (Harris, Proc. IEEE 66, 1978)."""
     shape = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
     return np.asarray(shape / shape.sum())
@@ -154,13 +154,13 @@ def amplitudes(signal: Floats, every: float) -> tuple[Floats, Floats]:
     from scipy.fft import rfft, rfftfreq
 
     about_mean = signal - signal.mean(axis=0)
-    weight = window(len(signal)).reshape(-1, *(1,) * (signal.ndim - 1))
+    weight = hann(len(signal)).reshape(-1, *(1,) * (signal.ndim - 1))
     return np.asarray(rfftfreq(len(signal), every)), np.asarray(2.0 * np.abs(rfft(weight * about_mean, axis=0)))
 
 
 def amplitude_at(signal: Floats, every: float, frequency: float) -> Floats:
     """Amplitude [...] at just one frequency of a signal [frame, ...]."""
-    turn = np.exp(-2j * np.pi * frequency * every * np.arange(len(signal))) * window(len(signal))
+    turn = np.exp(-2j * np.pi * frequency * every * np.arange(len(signal))) * hann(len(signal))
     return np.asarray(2.0 * np.abs(np.tensordot(turn, signal - signal.mean(axis=0), axes=1)))
 
 
@@ -184,12 +184,13 @@ class SpectrumMeter(Meter):
         self.problem = problem
         self.beads = beads
         self.after = 0.5 * problem.duration if after is None else after
-        self._columns = np.searchsorted(problem.recorded_beads, beads)
         self._velocity: list[Floats] = []
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames."""
-        self._velocity.append(block.velocity[block.time >= self.after * (1.0 - 1e-12)][:, :, self._columns])
+        self._velocity.append(
+            block.velocity[block.time >= self.after * (1.0 - 1e-12)][:, :, block.positions(self.beads)]
+        )
 
     def result(self) -> VelocitySpectra | None:
         """Spectra of the frames so far; None if they are too few."""

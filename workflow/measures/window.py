@@ -66,9 +66,9 @@ class WindowMeter(Meter):
 
     def result(self, waves: Waves) -> Residual:
         """Residual motion in the frames so far, with the amplitude of the lowest leading wave."""
-        window = self._before.problem.window if self._before is not None else None
-        amplitude = waves.peak_velocity[waves.bead > window // 2] if window is not None else waves.peak_velocity[:0]
-        return Residual(window, self._velocity, self._bead, float(amplitude.min()) if len(amplitude) else math.nan)
+        rows = self._before.problem.rows.width if self._before is not None else None
+        amplitude = waves.peak_velocity[waves.bead > rows // 2] if rows is not None else waves.peak_velocity[:0]
+        return Residual(rows, self._velocity, self._bead, float(amplitude.min()) if len(amplitude) else math.nan)
 
     def finish(self, survey: Survey) -> "WindowMeasurement":
         """Residual motion in all frames."""
@@ -90,4 +90,4 @@ class WindowMeasurement(Measurement):
     @classmethod
     def meter(cls, run: Recorded) -> WindowMeter | None:
         """Where there is a window."""
-        return None if run.problem.window is None else WindowMeter(run.problem)
+        return WindowMeter(run.problem) if run.problem.rows.follow else None

@@ -106,8 +106,8 @@ def _with_duration(scene: Scene, wall: bool) -> Scene:
     largest, largest_force = np.zeros(problem.chains), np.zeros(problem.chains)
     rows = None if scene.window is None else min(scene.beads, _WINDOW if scene.window == "auto" else 2 * scene.window)
     most_frames = math.ceil(problem.frames / _PARTS)
-    for block in load_engine("reference").blocks(problem, window=rows, most_frames=most_frames):
-        speed = np.abs(block.velocity[:, :, int(np.searchsorted(problem.recorded_beads, scene.until_bead))])
+    for block in load_engine("reference").blocks(problem, rows=rows, most_frames=most_frames):
+        speed = np.abs(block.velocity[:, :, int(problem.rows.positions(scene.until_bead))])
         force = np.zeros_like(speed) if far is None else at_frames(block, (far,))[..., 0] - far.static
         for time, velocity, pressing in zip(block.time, speed, force, strict=True):
             check()

@@ -19,6 +19,7 @@ from analysis.compare.common_times import on_common_rows, velocity_error
 from lammps_inputs import InputError, Problem, Scene, complaints, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
+from lammps_inputs.rows import Rows
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow import screen
 from workflow.engines.reference import engine
@@ -159,8 +160,8 @@ def _rows_by_time(problem: Problem) -> float:
     first, last = (choose(bead for _, bead, _ in physics.excitations(problem.system)) for choose in (min, max))
     distance = rates.front_speed(problem.system) * np.linspace(0.0, problem.duration, 101)
     rows = np.minimum(problem.beads, last + distance) - np.maximum(1.0, first - distance) + 1.0
-    if problem.window is not None:
-        rows = np.minimum(rows, engine.WIDER * problem.window)
+    if problem.rows.follow:
+        rows = np.minimum(rows, engine.WIDER * problem.rows.existing)
     return float(np.mean(rows) * problem.duration)
 
 
@@ -186,8 +187,8 @@ def largest_step(problem: Problem, accuracy: float) -> float:
 
 def _reference(problem: Problem, steps: int) -> StepHalving | ReferenceFrames:
     """The reference with so many steps a frame, in memory where that holds its frames."""
-    halving, wider = StepHalving(problem, steps_per_frame=steps), 1 if problem.window is None else engine.WIDER
-    if 16.0 * problem.frames * problem.chains * problem.rows_a_frame * wider > KEPT_BYTES:
+    halving, wider = StepHalving(problem, steps_per_frame=steps), engine.WIDER if problem.rows.follow else 1
+    if 16.0 * problem.frames * problem.chains * problem.rows.count * wider > KEPT_BYTES:
         return halving
     return ReferenceFrames(tuple(halving.blocks()), halving.uncertainty)
 
@@ -335,7 +336,7 @@ def _measured_within(seconds: float, problem: Problem, accuracy: float, most_wor
 
 def force_seconds(problem: Problem) -> float:
     """Processor time of the forces on a bead, in s, measured over steps of the reference of all rows that can move."""
-    state = engine.make_state(problem, None if problem.window is None else engine.WIDER * problem.window)
+    state = engine.make_state(problem, engine.WIDER * problem.rows.existing if problem.rows.follow else None)
     reach = math.ceil(min(rates.front_speed(problem.system) * problem.duration, problem.beads))
     first = max(1, int(state.span[0]) - reach)
     rows = min(problem.beads - first + 1, int(state.span[1]) + reach, int(state.span[2]))
@@ -449,8 +450,7 @@ def _shorter(problem: Problem, share: float) -> Problem:
         timestep=problem.every / apart,
         steps_per_frame=1,
         frames=max(1, math.ceil(problem.frames * apart * share)),
-        recorded=None,
-        window=None if problem.window is None or problem.window >= beads else problem.window,
+        rows=Rows(beads).near_front(problem.rows.width),
     )
 
 

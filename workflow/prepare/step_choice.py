@@ -22,13 +22,9 @@ class ReferenceFrames:
 
     def is_of(self, problem: Problem) -> bool:
         """Whether these are the frames of a problem: the same beads at the same times."""
-        recorded = self.frames[0].problem
-        same = (recorded.frames, recorded.recorded, recorded.window) == (
-            problem.frames,
-            problem.recorded,
-            problem.window,
-        )
-        return same and math.isclose(recorded.every, problem.every, rel_tol=1e-9)
+        mine = self.frames[0].problem
+        same = (mine.frames, mine.rows) == (problem.frames, problem.rows)
+        return same and math.isclose(mine.every, problem.every, rel_tol=1e-9)
 
     def blocks(self) -> Iterator["Trajectory"]:
         """Consecutive blocks of the frames, as `StepHalving.blocks` yields them."""
@@ -99,7 +95,7 @@ class ChosenStep:
             )
             if (
                 self.measured < 1.0
-                and problem.window is None
+                and not problem.rows.follow
                 and (physics.coupled(problem.system) or physics.gap(problem.system) > 0.0)
             ):
                 how += "; errors are larger behind the front in a long run, where repeated contacts amplify them"

@@ -56,8 +56,8 @@ def with_window(scene: Scene) -> Scene:
 
 
 def _leading(problem: Problem, rows: int) -> Waves:
-    unwindowed = replace(problem, window=None)
-    return engine.passages(unwindowed, window=window.behind(rows))
+    complete = replace(problem, rows=problem.rows.near_front(None))
+    return engine.passages(complete, rows=window.behind(rows))
 
 
 def _difference(first: Waves, second: Waves) -> float:

@@ -46,7 +46,7 @@ Masses = tuple[float | None, float | None]
 
 NO_LIMIT: Masses = (None, None)
 
-_OF_FRAMES = ("every", "beads", "snapshots")
+_OF_FRAMES = ("every", "beads")
 """Keys of ``output`` that say which frames, and which beads in them, are written: these do not count here."""
 
 

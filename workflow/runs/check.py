@@ -6,7 +6,6 @@ Also the references that a run is compared with, or is: with ever more steps unt
 import math
 import time
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
 from typing import Any
 
 from analysis.compare.difference import Deviation, DeviationPlace, Uncertainty, errors_of
@@ -70,7 +69,7 @@ LITTLE = 100_000
 """Number of recorded states of beads up to which all are compared; that takes some hundredths of a second."""
 
 
-def recorded(directory: RunDirectory) -> Check | None:
+def stored_check(directory: RunDirectory) -> Check | None:
     """Error of a run that was measured at its end, from ``run.json``; None where that holds none."""
     record = directory.account.check
     if record is None:
@@ -102,14 +101,10 @@ def check(directory: RunDirectory, settings: ChosenStep | None = None) -> Check:
     engine.load()  # takes its time once in a process, whatever is checked
     started = time.perf_counter()
     problem = directory.problem
-    little = problem.frames * problem.chains * len(problem.recorded_beads) <= LITTLE
+    little = problem.frames * problem.chains * len(problem.rows.numbers) <= LITTLE
     step = 1 if little else stride(problem, SPACING if settings is None else CADENCE)
     deviations, uncertainty = _compared(problem.coarser(step), lambda: directory.blocks(step), settings)
     velocity = deviations["velocity"]
-    if problem.frames_per_snapshot is not None:
-        others, of_snapshots = _compared(problem.snapshots(), directory.snapshots, settings)
-        velocity = max(velocity, others["velocity"], key=lambda deviation: deviation.largest)
-        uncertainty = replace(uncertainty, velocity=max(uncertainty.velocity, of_snapshots.velocity))
     amplitude, arrival = (
         deviations[name].largest if name in deviations else math.nan for name in ("amplitude", "arrival")
     )

@@ -14,8 +14,8 @@ class Check:
     """Measured error of a run, dimensionless.
 
     Attributes:
-        velocity: largest error of any velocity, of beads and resonators, in snapshots and the frames that are compared:
-            all of a little run, else those that `workflow.prepare.pilot` chooses.
+        velocity: largest error of any velocity, of beads and resonators, in the frames that are compared: all of a
+            little run, else those that `workflow.prepare.pilot` chooses.
         where: at which bead or resonator, and time.
         arrival: largest error of an arrival of the leading pulse, where `analysis.tracking.peaks.sharp`; NaN where none
             is.

@@ -150,19 +150,19 @@ class Engine(ABC):
         return []
 
     def blocks(
-        self, problem: Problem, *, window: int | None = None, most_frames: int | None = None
+        self, problem: Problem, *, rows: int | None = None, most_frames: int | None = None
     ) -> Iterator[Trajectory]:
         """Frames of a problem in consecutive blocks, computed in memory.
 
         Args:
             problem: what is computed.
-            window: rows that are computed at most, letting go of those farthest behind; None for all.
+            rows: rows that are computed at most, letting go of those farthest behind; None for all.
             most_frames: frames of a block at most.
 
         Raises:
             NotImplementedError: it computes in a directory alone.
         """
-        del problem, window, most_frames
+        del problem, rows, most_frames
         raise NotImplementedError(f"{self.title} computes in a directory")
 
     def accountant(self, frames: Problem, run: Problem | None = None, job: Job | None = None) -> "FrameAccountant":

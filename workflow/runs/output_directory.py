@@ -26,12 +26,12 @@ from workflow.runs.files import (
     OWN_FILES,
     RECORD,
     TEMPORARY_NAME,
-    all_parts,
     alone,
     as_json,
     changing,
     complete,
     part_number,
+    parts,
     write_json,
 )
 from workflow.runs.job import Job, load
@@ -152,7 +152,7 @@ def refuse_unusable(directory: Path, names: Iterable[str] = (), *, overwrite: bo
 def _of_run(directory: Path) -> set[str]:
     """Names of the files of a run: those that are listed, and further files of frames."""
     names = listed(directory)
-    return names | {path.name for path in all_parts(directory)} if file_names.DUMP in names else names
+    return names | {path.name for path in parts(directory)} if file_names.DUMP in names else names
 
 
 @contextmanager

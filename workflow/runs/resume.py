@@ -13,7 +13,7 @@ from workflow.engines.lammps import files_on_disk
 from workflow.prepare.step_choice import ChosenStep
 from workflow.runs.completed_run import CompletedRun
 from workflow.runs.engines import Progress, Start, Work, engine_called
-from workflow.runs.files import RECORD, all_parts, alone, part_number, parts, write_text
+from workflow.runs.files import RECORD, alone, part_number, parts, write_text
 from workflow.runs.job import Job, restart_refused
 from workflow.runs.output_directory import complete_replacement, refuse_links, refuse_unwritable
 from workflow.runs.run import carry_out, measure_error
@@ -63,7 +63,7 @@ def resume(
         ranks = job.ranks or 1 if ranks is None else ranks
         if refusal := engine.refused_ranks(ranks, result.problem.system):
             raise InputError(f"--ranks: {refusal}")
-        refuse_unwritable(path, all_parts(path))
+        refuse_unwritable(path, parts(path))
         spent = _spent(path, job)
         part, step = _next_part(result, job) if engine.name == "lammps" else (1, 0)
         if part == 1:
@@ -137,21 +137,14 @@ def _next_part(result: RunDirectory, job: Job) -> tuple[int, int]:
     """
     path = result.path
     step = files_on_disk.step_of(path / file_names.RESTART) if files_on_disk.intact(path / file_names.RESTART) else None
-    if not step or restart_refused(job) or not _hold_all(path, result.problem, step):
+    if not step or restart_refused(job) or not _hold_all(parts(path), result.problem, step):
         return 1, 0
     _tidy(path)
-    return max(part_number(file) for file in all_parts(path)) + 1, step
+    return max(part_number(file) for file in parts(path)) + 1, step
 
 
-def _hold_all(path: Path, problem: Problem, step: int) -> bool:
-    """Whether all frames until a step are there, and all snapshots."""
-    frames = _hold(parts(path), problem, step)
-    if problem.frames_per_snapshot is None:
-        return frames
-    return frames and _hold(parts(path, "snapshots"), problem.snapshots(), step)
-
-
-def _hold(files: list[Path], problem: Problem, step: int) -> bool:
+def _hold_all(files: list[Path], problem: Problem, step: int) -> bool:
+    """Whether all frames until a step are there."""
     steps: set[int] = set()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CutDumpWarning)
@@ -176,7 +169,7 @@ def _tidy(path: Path) -> None:
     """End each file of frames after its last whole one."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CutDumpWarning)
-        for file in all_parts(path):
+        for file in parts(path):
             try:
                 os.truncate(file, BinaryDump(file).whole_bytes)
             except NoFrameError:
@@ -185,7 +178,7 @@ def _tidy(path: Path) -> None:
 
 def _remove_frames(path: Path) -> None:
     restart = (file_names.RESTART, file_names.RESTART_SUMS, file_names.UNFINISHED)
-    for file in (*all_parts(path), *(path / name for name in restart)):
+    for file in (*parts(path), *(path / name for name in restart)):
         file.unlink(missing_ok=True)
 
 

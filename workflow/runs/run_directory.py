@@ -160,7 +160,7 @@ class RunDirectory:
             RunError: they are not frames of the scene, by LAMMPS's log, by their times or by the state of the first.
         """
         problem, dumps = self.problem, self.dumps
-        if stride > 1 or 16.0 * problem.frames * problem.chains * problem.rows_a_frame > KEPT_BYTES:
+        if stride > 1 or 16.0 * problem.frames * problem.chains * problem.rows.count > KEPT_BYTES:
             return self._begun_as_the_scene(recording.blocks(dumps, problem, stride))
         return self._begun_as_the_scene(self._in_memory.frames(dumps, problem))
 
@@ -197,12 +197,6 @@ class RunDirectory:
         if differences:
             texts = "; ".join(differences)
             raise RunError(f"{self.path}: its frames are not those of {file_names.SCENE}: {texts}; {_ADVICE}")
-
-    def snapshots(self, stride: int = 1) -> Iterator[Trajectory]:
-        """The snapshots of all beads, or every stride-th of them, in blocks of bounded size; none if there are none."""
-        files = parts(self.path, "snapshots")
-        if self.problem.frames_per_snapshot is not None and files:
-            yield from recording.blocks(files, self.problem.snapshots(), stride)
 
     @property
     def trajectory(self) -> Trajectory:
@@ -261,11 +255,11 @@ class Fingerprint:
     def add(self, block: Trajectory) -> None:
         """Take the next frames."""
         frames = states(block)
-        if block.problem.window is None:
-            self._digest.update(np.ascontiguousarray(frames).data)
-        else:
+        if block.problem.rows.follow:
             for state in frames:
                 self._digest.update(np.int64(block.first).tobytes() + state.tobytes())
+        else:
+            self._digest.update(np.ascontiguousarray(frames).data)
 
     def sha256(self) -> str:
         """Fingerprint of all frames so far."""
@@ -276,8 +270,7 @@ def results(directory: RunDirectory) -> dict[str, Any]:
     """Number of frames and a fingerprint of them, for ``run.json``.
 
     The fingerprint is the SHA-256 of displacement and velocity [chain, bead] (of a window, after the number of its
-    first row) as little-endian float64, frame after frame, and then those of the snapshots likewise, where there are
-    any: neither ranks nor interruptions change it.
+    first row) as little-endian float64, frame after frame: neither ranks nor interruptions change it.
 
     Args:
         directory: directory of the run.
@@ -292,8 +285,6 @@ def results(directory: RunDirectory) -> dict[str, Any]:
     for block in directory.blocks():
         fingerprint.add(block)
         frames += block.frames
-    for block in directory.snapshots():
-        fingerprint.add(block)
     return {"frames": frames, "sha256": fingerprint.sha256()}
 
 

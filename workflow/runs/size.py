@@ -32,7 +32,7 @@ class Size:
     Attributes:
         steps: steps of LAMMPS; None for other engines, which choose their own.
         frames: number of frames, that at the start included.
-        bytes: size of all frames and snapshots, in bytes.
+        bytes: size of all frames, in bytes.
         seconds: estimated time, in s; None where there is no estimate.
         rough: whether the steps are those of a rule, as before a pilot run.
         at_least: whether the run may have more frames, as its duration or window is not known yet.

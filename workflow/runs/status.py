@@ -183,13 +183,13 @@ def _status(directory: Path, queue: Queue | None) -> Status:
     if not directory.is_dir():
         return Status(directory, "none", why="no such directory")
     queued = queue.job_in(directory) if queue is not None else None
-    recorded = directory / RECORD
+    record = directory / RECORD
     job = None
     with suppress(InputError):
-        job = load(recorded)
+        job = load(record)
     account = job is None or job.outcome is not None  # else it only lists what is in the directory
     reached = Reached(directory)
-    since = recorded.stat().st_mtime if account else 0.0
+    since = record.stat().st_mtime if account else 0.0
     for jobs in plugins.loaded("queues").values():
         reported: Status | None = jobs.state(reached, queue, since)
         if reported is not None:

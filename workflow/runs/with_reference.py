@@ -44,12 +44,12 @@ class ReferenceEngine(Engine):
         return {**ending, "engine_seconds": seconds, "uncertainty": asdict(uncertainty)}
 
     def blocks(
-        self, problem: Problem, *, window: int | None = None, most_frames: int | None = None
+        self, problem: Problem, *, rows: int | None = None, most_frames: int | None = None
     ) -> Iterator[Trajectory]:
         """Frames with the reference's default steps."""
         from workflow.engines.reference import engine
 
-        return engine.blocks(problem, window=window, most_frames=most_frames)
+        return engine.blocks(problem, rows=rows, most_frames=most_frames)
 
     def accountant(self, frames: Problem, run: Problem | None = None, job: Job | None = None) -> FrameAccountant:
         """Accountant of frames of a run, with the steps that the run itself took if it is the reference's."""

@@ -133,7 +133,7 @@ def write_case(
         problem = _write_case(Path(directory), CaseRequest(**case), source, beside, arguments)
     except InputError as error:
         return {"refused": str(error)}
-    return {"beads": problem.chains * problem.rows, "rows": problem.rows}
+    return {"beads": problem.chains * problem.rows.existing, "rows": problem.rows.existing}
 
 
 def _write_case(path: Path, wanted: CaseRequest, source: str, beside: str, arguments: dict[str, Any]) -> Problem:

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from analysis.conservation import Conservation, FrameAccountant
+from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.quantity import csv_of, plain
 from analysis.sharing.equipartition import runs_exact_waves
@@ -76,7 +76,7 @@ class Analysis:
         tables: names of the CSV files.
         figures: files drawn.
         failure: why the run failed; empty where it did not.
-        altered: whether frames or snapshots are not those that the run wrote, by the fingerprint in ``run.json``.
+        altered: whether frames are not those that the run wrote, by the fingerprint in ``run.json``.
         measurements: what not every run has, by its key in ``analysis.json``, in the order of the text
             (`workflow.measures`); ``plain()`` of each is in the scene's units.
         derivatives: of quantities by fields of the scene, where they were asked for; records with ``quantity``,
@@ -238,27 +238,23 @@ def measure(
     problem, allowed = directory.problem, tolerances or Tolerances()
     shown = default_beads(problem) if beads is None else beads
     _refuse_frames(directory, shown)
-    by_snapshots = problem.frames_per_snapshot is not None
-    engine, run, exchange = engine_called(directory.engine), recorded(directory), accountant(directory, problem)
+    engine, run, exchange = engine_called(directory.engine), run_of(directory), accountant(directory, problem)
     conservation, fingerprint = Conservation(), Fingerprint()
     meters = _meters(run)
     spacetime, history = _pictures(problem, shown) if figures else (None, None)
-    of_frames = (history,) if by_snapshots else (history, spacetime)
     of_frames_alone = survey(
         lambda: _sane(directory, directory.blocks()),
         problem,
-        watchers=[conservation, fingerprint, *meters, *(of_frames if figures else ())],
+        watchers=[conservation, fingerprint, *meters, *((history, spacetime) if figures else ())],
         tolerances=allowed,
         arrival=arrival,
         counted=exchange.of,
         impulses=engine.impulses(directory.path, problem, problem.direction),
     )
     results = _without_errors_by_rounding(with_run_error(of_frames_alone, run.error), engine.rounded_from(run.job))
-    of_all_beads = conservation
-    if by_snapshots:
-        of_all_beads, exchange = _read_snapshots(directory, fingerprint, spacetime)
-        spacetime = spacetime if of_all_beads.frames > 1 else None
-    _take_over(conservation, of_all_beads)
+    if conservation.frames == 1:  # nothing has changed yet
+        conservation.energy_drift = conservation.momentum_drift = np.nan
+        conservation.budget = None
     of_energies = (kind.of_energies(run, conservation, exchange.uncertainty) for kind in MEASUREMENTS)
     measured = (*(meter.finish(results) for meter in meters), *of_energies)
     measurements = {measurement.key: measurement for measurement in measured if measurement is not None}
@@ -282,7 +278,7 @@ def _refuse_frames(directory: RunDirectory, shown: tuple[int, ...]) -> None:
     """
     problem = directory.problem
     for bead in shown:
-        if bead not in problem.recorded_beads:
+        if bead not in problem.rows.numbers:
             raise InputError(f"--beads: bead {bead} is not among the recorded ones")
     if why := too_far_apart(problem.every, problem.scale):
         raise InputError(f"{directory.path}: output.every: {why}")
@@ -293,38 +289,14 @@ def _meters(run: Recorded) -> list[Any]:
     return [meter for kind in MEASUREMENTS if (meter := kind.meter(run)) is not None]
 
 
-def _read_snapshots(
-    directory: RunDirectory, fingerprint: Fingerprint, spacetime: Any
-) -> tuple[Conservation, FrameAccountant]:
-    """Conservation over the snapshots of a run, and what counted their exchange; shows them to other watchers, too."""
-    exchange = accountant(directory, directory.problem.snapshots())
-    conservation = Conservation(exchange.of)
-    for block in _sane(directory, directory.snapshots()):
-        conservation.add(block)
-        fingerprint.add(block)
-        if spacetime is not None:
-            spacetime.add(block)
-    return conservation, exchange
-
-
 def _pictures(problem: Problem, shown: tuple[int, ...]) -> tuple[Any, Any]:
     """Watchers that collect what figures show: velocity in space and time, and of some beads."""
     from analysis.figures.spacetime import BeadHistory, SpaceTime  # matplotlib takes half a second to import
 
-    spacetime = SpaceTime(problem if problem.frames_per_snapshot is None else problem.snapshots())
-    return spacetime, BeadHistory(problem, shown)
+    return SpaceTime(problem), BeadHistory(problem, shown)
 
 
-def _take_over(conservation: Conservation, of_all_beads: Conservation) -> None:
-    """Set what follows from frames of all beads alone; one frame alone has no drift."""
-    changes = of_all_beads.frames > 1
-    conservation.energy_drift = of_all_beads.energy_drift if changes else np.nan
-    conservation.momentum_drift = of_all_beads.momentum_drift if changes else np.nan
-    conservation.budget = of_all_beads.budget if changes else None
-    conservation.participation = of_all_beads.participation
-
-
-def recorded(directory: RunDirectory) -> Recorded:
+def run_of(directory: RunDirectory) -> Recorded:
     """The run of a directory as meters see it."""
     return Recorded(
         scene=directory.scene,
@@ -416,15 +388,15 @@ def default_beads(problem: Problem) -> tuple[int, ...]:
     Returns:
         Numbers of the beads, ascending.
     """
-    recorded = problem.recorded_beads
+    beads = problem.rows.numbers
     if not problem.system.holds(Fact.PULSE):
         kicked_bead = physics.largest_excitation(problem.system)[1]
         direction = problem.direction
         return tuple(
-            sorted({int(recorded[np.argmin(np.abs(recorded - kicked_bead - direction * far))]) for far in (0, 2, 5)})
+            sorted({int(beads[np.argmin(np.abs(beads - kicked_bead - direction * far))]) for far in (0, 2, 5)})
         )
-    places = np.unique(np.round(np.array([0.17, 0.5, 0.9]) * (len(recorded) - 1)).astype(int))
-    return tuple(int(recorded[place]) for place in places)
+    places = np.unique(np.round(np.array([0.17, 0.5, 0.9]) * (len(beads) - 1)).astype(int))
+    return tuple(int(beads[place]) for place in places)
 
 
 def _makers(

@@ -54,7 +54,9 @@ def lines(analysis: Analysis) -> Iterator[str | PrintedTable]:
 
 
 def _drift(analysis: Analysis) -> Iterator[str]:
-    """Lines on the drift of the energy, unless there is a budget of it, and of the momentum."""
+    """Lines on the drift of the energy, unless there is a budget of it, and of the momentum; or why there is none."""
+    if missing := analysis.problem.rows.missing:
+        yield f"energy and momentum are undefined: {missing}"
     exchanges = physics.exchanges(analysis.problem.system)
     shown = [
         f"{drift:.1e} of the {name} input"

@@ -612,7 +612,7 @@ def train(survey: Survey) -> Train | None:
         alone = clear_of_others(chain, pulse.bead, pulse.arrival, survey.pulses, survey.problem.every)
         for at, good in enumerate(clear & alone):
             varies = pulse.variation(at)  # not known where few beads are recorded
-            unknown = np.isnan(varies) and survey.problem.recorded is not None
+            unknown = np.isnan(varies) and not survey.problem.rows.neighbours
             constant = unknown or varies <= STEADY * pulse.peak_velocity[at]
             steady.setdefault(int(pulse.bead[at]), []).append((float(pulse.arrival[at]), bool(good) and constant))
     first = {bead: sum(accumulate((good for _, good in sorted(passages)), min)) for bead, passages in steady.items()}

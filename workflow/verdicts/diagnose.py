@@ -54,7 +54,7 @@ class Diagnosis:
 def rounded(trajectory: Trajectory, reference: Trajectory) -> list[str]:
     """Which numbers were rounded when they were written: positions or velocities, of any beads."""
     problem, lines = trajectory.problem, []
-    rest = rest_positions(problem) if problem.window is None else trajectory.beads * problem.layout.spacing
+    rest = trajectory.beads * problem.layout.spacing if problem.rows.follow else rest_positions(problem)
     moved = trajectory.displacement != 0.0
     for name, values, right in (
         ("positions", trajectory.displacement + rest, reference.displacement + rest),
@@ -177,7 +177,7 @@ def _reason_against(trajectory: Trajectory, reference: Trajectory) -> str:
     """Why the forces on the beads do not follow from the frames; empty if they do."""
     if not trajectory.problem.forces_known:
         return "forces of contacts that yield depend on their past"
-    if not (trajectory.complete and reference.complete):
+    if not (trajectory.all_lines and reference.all_lines):
         return "the motion of the resonators is not recorded"
     if trajectory.frames < LEAST_FRAMES:
         return f"there are {trajectory.frames} frames, of {LEAST_FRAMES} that are needed"

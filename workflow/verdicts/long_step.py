@@ -31,9 +31,9 @@ def long_step(trajectory: Trajectory, reference: Trajectory) -> list[str]:
     spacing = (trajectory.time[-1] - trajectory.time[0]) / max(1, frames - 1)
     even = np.allclose(np.diff(trajectory.time), spacing, rtol=1e-3, atol=0.0)
     even = even and trajectory.frames == reference.frames and np.allclose(trajectory.time, reference.time)
-    if frames < 2 or not even or trajectory.time[0] != 0.0 or not problem.whole or not trajectory.complete:
+    if frames < 2 or not even or trajectory.time[0] != 0.0 or not problem.rows.complete or not trajectory.all_lines:
         return []
-    at_spacing = replace(problem, timestep=spacing, steps_per_frame=1, frames=frames - 1, recorded=None)
+    at_spacing = replace(problem, timestep=spacing, steps_per_frame=1, frames=frames - 1)
     right = engine.run(at_spacing)
     apart = _apart(trajectory, right)
     if np.any(_apart(right, reference) > _MOSTLY * _apart(trajectory, reference)):  # the difference is not its own

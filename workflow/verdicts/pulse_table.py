@@ -70,9 +70,9 @@ def selected_beads(survey: Survey) -> list[int]:
 def _passed(survey: Survey) -> Integers:
     """Beads of one kind that a pulse passed, counted along its way, from the first kicked bead on."""
     problem = survey.problem
-    recorded = np.unique(survey.waves.bead)
-    alike = recorded[of_one_kind(problem)[recorded - 1]]
-    passed = along_the_way(problem, alike if len(alike) else recorded)
+    beads = np.unique(survey.waves.bead)
+    alike = beads[of_one_kind(problem)[beads - 1]]
+    passed = along_the_way(problem, alike if len(alike) else beads)
     kicked_beads = [
         along_the_way(problem, kicked_bead)
         for _, kicked_bead, impulse in physics.excitations(problem.system)

@@ -307,7 +307,7 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
     deviations = difference.deviations()
     run_frames, reference_frames = (joined(pair[side] for pair in diagnosed) for side in (0, 1))
     few_digits = rounded(run_frames, reference_frames)
-    diagnosable = any_exceeded(deviations, limits) and problem.whole and not directory.failure
+    diagnosable = any_exceeded(deviations, limits) and problem.rows.complete and not directory.failure
     diagnosis = diagnose(run_frames, reference_frames) if diagnosable else Diagnosis()
     result = Validation(
         problem=problem,
@@ -317,7 +317,7 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
         causes=(*few_digits, *diagnosis.causes),
         remarks=(
             *filter(None, [directory.failure]),
-            *([] if problem.window is None else [HALF_WINDOW]),
+            *([HALF_WINDOW] if problem.rows.follow else []),
             *_doubts(halving.uncertainty, limits),
             *([diagnosis.remark] if diagnosis.remark and not few_digits else []),
         ),

@@ -58,9 +58,6 @@ NOT_PHYSICS = (
 MOST_FRAMES = 1000
 """Frames of a run from one instant that both runs recorded to the next, at most."""
 
-_OF_WAVES = ("amplitude", "arrival")
-"""Quantities that snapshots are too far apart for."""
-
 _AT_AN_INSTANT = ("velocity", "displacement", "amplitude", "arrival")
 """Quantities without a tolerance, unless one is given, where one of two runs has rigid beads."""
 
@@ -114,10 +111,10 @@ def compare_runs(runs: Runs, tolerances: dict[str, float] | None = None) -> tupl
     models_differ = len(rigid) == 1
     unlimited = dict.fromkeys(_AT_AN_INSTANT, math.inf) if models_differ else {}
     limits = limits_of(directory.problem, {**unlimited, **(tolerances or {})})
-    frames, fingerprints = recorded_by_both(runs), Fingerprints()
+    frames, fingerprints = held_by_both(runs), Fingerprints()
     meter = ChainMeter(frames.problem, rigid_first=rigid == [directory]) if models_differ else None
     difference = _difference(runs, frames, limits, fingerprints, meter)
-    deviations = _larger(difference.deviations(), _of_snapshots(runs, limits, fingerprints))
+    deviations = difference.deviations()
     chains: tuple[ChainDifference, ...] = ()
     if meter is not None:
         engine = engine_called(rigid[0].engine)
@@ -148,7 +145,7 @@ def _remarks(runs: Runs, problem: Problem, deviations: dict[str, Deviation], *, 
     for run in runs:
         if run.failure:
             yield f"{run.path}: {run.failure}"
-    if problem.window is not None:
+    if problem.rows.follow:
         yield HALF_WINDOW
     if models_differ:
         yield _RIGID_BEADS
@@ -269,19 +266,17 @@ class Fingerprints:
 
 @dataclass(frozen=True)
 class RecordedByBoth:
-    """What two runs both recorded, of their frames or of their snapshots.
+    """What two runs both recorded.
 
     Attributes:
         problem: of the beads and times that both recorded.
         strides: every which frame of each run is at such a time.
-        snapshots: whether these are snapshots.
-        same_window: whether both hold the same number of rows.
+        same_width: whether both hold the same number of rows.
     """
 
     problem: Problem
     strides: tuple[int, int]
-    snapshots: bool
-    same_window: bool
+    same_width: bool
 
     def pairs(self, runs: Runs) -> Iterator[tuple[Trajectory, Trajectory]]:
         """Blocks of the two at these beads and times; of a window all rows of each."""
@@ -292,7 +287,7 @@ class RecordedByBoth:
         problem = replace(self.problem, system=run.problem.system)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", CutDumpWarning)
-            for block in run.snapshots(stride) if self.snapshots else run.blocks(stride):
+            for block in run.blocks(stride):
                 yield of_recorded(block, problem)
 
 
@@ -302,13 +297,13 @@ def where_both_hold(first: Trajectory, second: Trajectory) -> tuple[Trajectory, 
     return near, other_near
 
 
-def recorded_by_both(runs: Runs, *, snapshots: bool = False) -> RecordedByBoth:
+def held_by_both(runs: Runs) -> RecordedByBoth:
     """The beads and times that two runs recorded.
 
     Raises:
         InputError: there is no such bead, or no such time after the start.
     """
-    first, second = (run.problem.snapshots() if snapshots else run.problem for run in runs)
+    first, second = (run.problem for run in runs)
     ratio = first.every / second.every
     fraction = Fraction(ratio).limit_denominator(MOST_FRAMES)
     strides = fraction.denominator, fraction.numerator
@@ -320,22 +315,16 @@ def recorded_by_both(runs: Runs, *, snapshots: bool = False) -> RecordedByBoth:
             f"{runs[1].path}: its frames are {apart[1]} apart, and those of {runs[0].path} {apart[0]}: "
             "only their starts are at one time"
         )
-    beads = np.intersect1d(first.recorded_beads, second.recorded_beads)
-    if len(beads) == 0:
+    rows = first.rows.shared(second.rows)
+    if rows.count == 0:
         raise InputError(f"{runs[1].path}: recorded none of the beads that {runs[0].path} recorded")
-    problem = replace(
-        first.coarser(strides[0]),
-        frames=frames,
-        recorded=None if len(beads) == first.beads else tuple(beads.tolist()),
-        window=min((each.window for each in (first, second) if each.window is not None), default=None),
-        frames_per_snapshot=None,
-    )
-    return RecordedByBoth(problem, strides, snapshots, same_window=first.window == second.window)
+    problem = replace(first.coarser(strides[0]), frames=frames, rows=rows)
+    return RecordedByBoth(problem, strides, same_width=first.rows.width == second.rows.width)
 
 
 def _difference(
     runs: Runs,
-    recorded: RecordedByBoth,
+    common: RecordedByBoth,
     limits: dict[str, float],
     fingerprints: Fingerprints,
     meter: ChainMeter | None = None,
@@ -343,40 +332,16 @@ def _difference(
     """How far apart two runs are where both recorded; fingerprints and chains are read on the way."""
 
     def pairs() -> Iterator[tuple[Trajectory, Trajectory]]:
-        for blocks in recorded.pairs(runs):
+        for blocks in common.pairs(runs):
             near_front, other_near_front = where_both_hold(*blocks)
-            fingerprints.add(*(on_common_rows(*blocks) if recorded.same_window else (near_front, other_near_front)))
+            fingerprints.add(*(on_common_rows(*blocks) if common.same_width else (near_front, other_near_front)))
             if meter is not None:
                 meter.add(near_front, other_near_front)
             yield near_front, other_near_front
 
-    difference = Difference(limits, accountant(runs[0], recorded.problem).of)
+    difference = Difference(limits, accountant(runs[0], common.problem).of)
     compared(difference, pairs())
     return difference
-
-
-def _of_snapshots(runs: Runs, limits: dict[str, float], fingerprints: Fingerprints) -> dict[str, Deviation]:
-    """Deviations of what snapshots of two runs show; empty where the two have none at the same times."""
-    if not all(run.problem.frames_per_snapshot for run in runs):
-        return {}
-    try:
-        snapshots = recorded_by_both(runs, snapshots=True)
-    except InputError:
-        return {}
-    difference = _difference(runs, snapshots, limits, fingerprints)
-    if not difference.frames:
-        return {}
-    return {name: value for name, value in difference.deviations().items() if name not in _OF_WAVES}
-
-
-def _larger(frames: dict[str, Deviation], snapshots: dict[str, Deviation]) -> dict[str, Deviation]:
-    """Deviations by quantity, the larger one where frames and snapshots have one."""
-
-    def larger(*deviations: Deviation) -> Deviation:
-        return max(deviations, key=lambda deviation: np.nan_to_num(deviation.largest, nan=np.inf))
-
-    in_both = {name: larger(frames[name], snapshots[name]) for name in frames.keys() & snapshots.keys()}
-    return {**frames, **snapshots, **in_both}
 
 
 def compared_pairs(runs: tuple[RunDirectory, ...], comparison: Validation) -> Iterator[tuple[Trajectory, Trajectory]]:
@@ -391,10 +356,10 @@ def compared_pairs(runs: tuple[RunDirectory, ...], comparison: Validation) -> It
     """
     directory, *others = runs
     for other in others:
-        return (where_both_hold(*pair) for pair in recorded_by_both((directory, other)).pairs((directory, other)))
+        return (where_both_hold(*pair) for pair in held_by_both((directory, other)).pairs((directory, other)))
     steps = None if comparison.uncertainty is None else comparison.uncertainty.steps_per_frame
     problem = directory.problem
-    exact = reference.blocks(problem, steps_per_frame=steps, window=compared_rows(problem))
+    exact = reference.blocks(problem, steps_per_frame=steps, rows=compared_rows(problem))
     return paired(directory.blocks_so_far(), exact)
 
 
@@ -422,7 +387,7 @@ def _computed_with(run: RunDirectory) -> dict[str, str]:
         "engine": run.engine,
         "time step": problem.scale.written(problem.timestep, "time") if stepped else "",
         "scheme": problem.scheme if stepped else "",
-        "window": f"{problem.window} rows" if problem.window else "all rows",
+        "window": f"{problem.rows.width} rows" if problem.rows.follow else "all rows",
         "ranks": str(job.ranks or ""),
         **job.versions,
         "Python": job.python or "",

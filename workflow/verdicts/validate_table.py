@@ -55,7 +55,7 @@ def validate_table(
     coarse = rounding > TOLERANCES["amplitude"]
     deviations = {name: deviations[name] for name in _quantities(loaded, theirs, coarse) if name in deviations}
     exceeded = any_exceeded(deviations, limits)
-    diagnosable = exceeded and theirs.problem.recorded is None
+    diagnosable = exceeded and theirs.problem.rows.neighbours
     diagnosis = _diagnosis(path, theirs, resampled, coarse) if diagnosable else Diagnosis()
     causes, notes = diagnosis.causes, tuple(rounded(path, theirs))
     if rounding:
@@ -193,14 +193,14 @@ def validate_traces(
         raise InputError(f"{path}: names units, but is to be in others (the scene has no material, or --units)")
     channels.check(path, measured.channels, problem)
     beads = channels.beads_of(measured.channels, problem)
-    missing = sorted(set(beads) - set(problem.recorded_beads.tolist()))
-    if problem.window is not None or missing:
+    missing = sorted(set(beads) - set(problem.rows.numbers.tolist()))
+    if problem.rows.follow or missing:
         raise InputError(f"{path}: needs the motion of bead {(missing or beads)[0]}, which the run did not record")
     worth = np.array([getattr(problem.scale, channel.quantity) for channel in measured.channels])
     if dimensionless:
         measured = replace(measured, time=measured.time * problem.scale.time, values=measured.values * worth)
     run_frames = joined(directory.blocks())[: problem.frames + 1]
-    run = common_times.of_recorded(run_frames, replace(problem, recorded=beads))
+    run = common_times.of_recorded(run_frames, replace(problem, rows=problem.rows.only(beads)))
     try:
         computed = channels.read_at(run, measured.channels, measured.time)
     except InputError as error:
@@ -249,9 +249,9 @@ def as_trajectory(loaded: TrajectoryTable, problem: Problem, *, dimensionless: b
     # a table holds the chains alone
     everything = physics.lines(problem.system) == problem.chains and len(loaded.beads) == problem.beads
     everything = everything and not np.isnan(values).any()
-    recorded = None if everything else tuple(int(bead) for bead in loaded.beads)
+    rows = problem.rows.only(None if everything else loaded.beads)
     displacement, velocity = values
-    return Trajectory(replace(problem, recorded=recorded), loaded.time / units[0], displacement, velocity)
+    return Trajectory(replace(problem, rows=rows), loaded.time / units[0], displacement, velocity)
 
 
 def check_places(path: Path, loaded: TrajectoryTable, problem: Problem) -> None:
@@ -263,7 +263,7 @@ def check_places(path: Path, loaded: TrajectoryTable, problem: Problem) -> None:
     chains = np.setdiff1d(loaded.chains, np.arange(1, problem.chains + 1))
     if len(chains):
         raise InputError(f"{path}: has chain {chains[0]}, but the scene has chains 1 to {problem.chains}")
-    beads = np.setdiff1d(loaded.beads, problem.recorded_beads)
+    beads = np.setdiff1d(loaded.beads, problem.rows.numbers)
     if len(beads):
         raise InputError(f"{path}: has bead {beads[0]}, which the run did not record")
 

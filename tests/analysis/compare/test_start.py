@@ -23,7 +23,7 @@ def test_the_beads_that_differ_most_are_named_first():
 
 def test_beads_of_a_subset_are_named_by_their_numbers_and_in_the_units_of_the_scene():
     problem = find("two-chains-steel").model_copy(update={"beads": 20, "duration": 1e-5}).problem()
-    run = engine.run(replace(problem, recorded=(1, 12)))
+    run = engine.run(replace(problem, rows=problem.rows.only((1, 12))))
     velocity = run.velocity.copy()
     velocity[0, 1, 1] = 0.25
     (text,) = start.differences(replace(run, velocity=velocity))

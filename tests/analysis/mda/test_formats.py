@@ -232,7 +232,7 @@ def test_beads_that_differ_are_atoms_with_their_masses(
     with formats.ChainsParser(tmp_path / file_names.DATA) as parser:
         universe = mda.Universe(parser.parse())
     assert universe.atoms.ids.tolist() == atom_ids(problem).ravel().tolist()
-    masses = np.broadcast_to(problem.system.mass, (problem.chains, problem.beads))[:, problem.recorded_beads - 1]
+    masses = np.broadcast_to(problem.system.mass, (problem.chains, problem.beads))[:, problem.rows.numbers - 1]
     np.testing.assert_allclose(universe.atoms.masses, masses.ravel(), rtol=4e-16)
 
 

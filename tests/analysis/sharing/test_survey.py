@@ -204,7 +204,7 @@ def test_a_pulse_that_could_not_be_measured_is_not_called_solitary():
 def test_the_mirror_of_the_mirror_is_the_run_itself():
     trajectory = reference(2, 0.1, 20, 5.0, recorded=(2, 3, 11))
     twice = mirrored(mirrored(trajectory))
-    assert mirrored_problem(trajectory.problem).recorded == (10, 18, 19)
+    assert mirrored_problem(trajectory.problem).rows.listed == (10, 18, 19)
     assert twice.problem == trajectory.problem
     assert np.array_equal(twice.displacement, trajectory.displacement)
     assert np.array_equal(twice.velocity, trajectory.velocity)

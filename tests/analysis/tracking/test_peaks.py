@@ -31,7 +31,7 @@ def fine() -> Trajectory:
 def thinned(trajectory: Trajectory, stride: int, recorded: tuple[int, ...] | None = None) -> Trajectory:
     columns = slice(None) if recorded is None else np.array(recorded) - 1
     return Trajectory(
-        replace(trajectory.problem.coarser(stride), recorded=recorded),
+        replace(trajectory.problem.coarser(stride), rows=trajectory.problem.rows.only(recorded)),
         trajectory.time[::stride],
         trajectory.displacement[::stride][:, :, columns],
         trajectory.velocity[::stride][:, :, columns],
@@ -288,11 +288,12 @@ def test_maxima_are_as_accurate_as_stated_where_a_foundation_stiffens_between_tw
 def test_the_error_of_a_peak_is_below_what_is_said_where_a_push_ends_between_two_frames(law, recorded):
     for share in np.linspace(0.02, 0.98, 25):
         push = Load(1, 2, law(0.2, 4.0 + 0.5 * share))
-        what = pushed(problem(1, 0.0, 3, 20.0, 0.5, gap=30.0), push, recorded=recorded)
+        what = pushed(problem(1, 0.0, 3, 20.0, 0.5, gap=30.0), push)
+        what = replace(what, rows=what.rows.only(recorded))
         time = np.arange(what.frames + 1) * what.every
         x, v = np.zeros((2, len(time), 1, 3))
         x[:, 0, 1], v[:, 0, 1] = push.travel(time), push.impulse(time)
-        columns = what.recorded_beads - 1
+        columns = what.rows.numbers - 1
         run = Trajectory(what, time, x[..., columns], v[..., columns])
         found = leading_waves(find_peaks([run]), what, "impulse")
         (peak,), (centre,) = found.peak_velocity, found.arrival

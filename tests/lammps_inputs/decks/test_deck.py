@@ -14,7 +14,7 @@ from stock_lammps import WHEEL, run, scene, table
 from strategies import scenes
 
 from analysis.files.binary_dump import BinaryDump
-from lammps_inputs import Kick, Output, file_names, find, installed_scenes, physics
+from lammps_inputs import Kick, file_names, find, installed_scenes, physics
 from lammps_inputs.decks import deck, scene_files
 from workflow.engines.lammps import worker
 
@@ -321,16 +321,3 @@ def test_the_scene_written_beside_the_deck_gives_the_same_deck_again(tmp_path):
     scene_files.write(find("two-chains-steel"), tmp_path)
     again = find(str(tmp_path / file_names.SCENE))
     assert scene_files.render(again) == {path.name: path.read_text() for path in tmp_path.iterdir()}
-
-
-# --- snapshots --------------------------------------------------------------------------------------------------------
-
-
-def test_snapshots_hold_all_beads_at_their_own_cadence(tmp_path):
-    case = scene(chains=2, beads=20, kappa=0.1, duration=10.0, timestep=0.02)
-    few = case.model_copy(update={"output": Output(every=0.5, beads=(1, 5), snapshots=2.0)})
-    all_beads = case.model_copy(update={"output": Output(every=2.0)})
-    thin, whole = run(few, tmp_path / "few"), run(all_beads, tmp_path / "all")
-    snapshots = BinaryDump(tmp_path / "few" / file_names.SNAPSHOTS)
-    assert thin.x.shape == (21, 4)
-    assert np.array_equal(snapshots.read(), BinaryDump(whole.directory / file_names.DUMP).read())

@@ -70,10 +70,10 @@ def test_lines_of_resonators_count_on_from_the_chains_and_their_ties_come_after_
     np.testing.assert_array_equal(physics.masses(system, absent=np.inf)[2:4, 5], np.inf)
 
 
-def test_frames_are_complete_where_they_hold_the_lines_of_resonators():
+def test_frames_hold_all_lines_where_they_hold_those_of_resonators():
     trajectory = engine.run(small(duration=1.0).problem())
-    assert trajectory.complete
-    assert not replace(trajectory, further_lines=None).complete
+    assert trajectory.all_lines
+    assert not replace(trajectory, further_lines=None).all_lines
 
 
 def test_resonators_are_small_atoms_of_their_own_type_after_the_beads():

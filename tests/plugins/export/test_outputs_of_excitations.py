@@ -42,7 +42,6 @@ OUTPUTS: dict[str, dict[str, Any]] = {
     "all": {},
     "recorded": {"output": {"beads": [2, 3, 4, 11]}},
     "one recorded": {"output": {"beads": [6]}},
-    "snapshots": {"output": {"beads": [2, 11], "every": 0.5, "snapshots": 2.0}},
     "spectra": {"output": LATE},
     "spectra of one recorded": {"output": {"beads": [6], "spectra": {"beads": [6]}}},
     "forces": {"output": {"forces": {"contacts": [3, 11], "sensors": [5]}}},
@@ -55,7 +54,7 @@ OUTPUTS: dict[str, dict[str, Any]] = {
     "several chains": {"chains": 3, "coupling": {"stiffness": 0.1}, "output": LATE},
 }
 EXCLUDED = [(name, "window") for name in EXCITATIONS if name != "kick"]
-CRUCIAL = ("recorded", "snapshots", "everything", "resonators", "several chains")
+CRUCIAL = ("recorded", "everything", "resonators", "several chains")
 """Outputs that hold the others: these with a kick, a push and drives alone, as a case takes 5 s."""
 
 

@@ -84,7 +84,7 @@ def test_examples_are_valid_scenes(example, tmp_path):
     (tmp_path / "hammer.csv").write_text("0, 0\n1, 0.5\n2, 0\n", encoding="utf-8")
     (tmp_path / "scene.yaml").write_text(example, encoding="utf-8")
     has = set(re.findall(r"[\w.]+", example))
-    base = {"name": "example", "chains": 3 if "ring" in has else 2, "beads": 1000 if "snapshots" in has else 120}
+    base = {"name": "example", "chains": 3 if "ring" in has else 2, "beads": 1000 if "990]" in example else 120}
     base |= {"until_bead": 60} | ({} if has & {"striker", "drive"} else {"kick": {"velocity": 1}})
     steel = {"radius": 4.76e-3, "density": 8e3, "youngs_modulus": 2e11, "poisson_ratio": 0.3}
     base |= {"material": steel} if "9.81" in has else {}

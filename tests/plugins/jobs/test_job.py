@@ -21,7 +21,7 @@ from stock_lammps import run as run_stock
 
 from analysis.files.recording import blocks
 from analysis.trajectory import joined
-from lammps_inputs import InputError, Output, file_names, library, window
+from lammps_inputs import InputError, Output, file_names, library
 from lammps_inputs.decks import scene_files
 from workflow.engines.lammps.files_on_disk import step_of
 from workflow.plugins.jobs import job, job_files, site
@@ -73,7 +73,7 @@ BEFORE_RESTART = "before_a_restart"
 
 def restart_often(directory, case):
     """Let a job leave a restart after every tenth of a run, and run an empty script of ours before each."""
-    path, grain = directory / job_files.INPUT, window.stride(case.problem())
+    path, grain = directory / job_files.INPUT, case.problem().steps_between_stops
     steps, before = case.problem().steps, 'then "jump SELF stretch"\n'
     text = path.read_text()
     for pattern, new in (
@@ -166,8 +166,8 @@ KINDS = {
     "coupled": scene(chains=3, beads=121, kappa=0.1, duration=60.0, every=2.0),
     "suzuki4": scene(chains=2, beads=100, kappa=0.1, duration=200.0, every=5.0, scheme="suzuki4"),
     "window": scene(chains=2, beads=200, kappa=0.1, duration=150.0, every=5.0, window=64),
-    "snapshots": scene(chains=3, beads=101, kappa=0.1, duration=120.0).model_copy(
-        update={"output": Output(every=2.0, beads=(1, 50, 101), snapshots=10.0)}
+    "few beads": scene(chains=3, beads=101, kappa=0.1, duration=120.0).model_copy(
+        update={"output": Output(every=2.0, beads=(1, 50, 101))}
     ),
 }
 
@@ -180,7 +180,7 @@ KINDS = {
         ("coupled", "2021", 2),
         ("suzuki4", "wheel", 1),
         ("window", "wheel", 1),
-        ("snapshots", "2021", 1),
+        ("few beads", "2021", 1),
     ],
 )
 def test_a_killed_job_goes_on_bit_for_bit(kind, release, ranks, lmp_of, executable, tmp_path):
@@ -202,7 +202,7 @@ def test_a_killed_job_goes_on_bit_for_bit(kind, release, ranks, lmp_of, executab
 
 @pytest.mark.slow
 def test_a_job_resumes_from_the_restart_of_a_run_that_was_no_job_bit_for_bit(tmp_path):
-    case, whole = KINDS["snapshots"], tmp_path / "whole"
+    case, whole = KINDS["few beads"], tmp_path / "whole"
     whole.mkdir()
     scene_files.write(case, whole)
     subprocess.run([WHEEL, "-in", file_names.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
@@ -218,15 +218,11 @@ def test_a_job_resumes_from_the_restart_of_a_run_that_was_no_job_bit_for_bit(tmp
 
 def assert_same_frames(directory, whole, case):
     """The frames of a resumed job, in two parts, are those of an uninterrupted run."""
-    written = {"dump": case.problem()}
-    if case.problem().frames_per_snapshot is not None:
-        written["snapshots"] = case.problem().snapshots()
-    for name, what in written.items():
-        assert len(parts(directory, name)) == 2
-        found, expected = (joined(blocks(parts(path, name), what)) for path in (directory, whole))
-        np.testing.assert_array_equal(found.time, expected.time)
-        np.testing.assert_array_equal(found.displacement, expected.displacement)
-        np.testing.assert_array_equal(found.velocity, expected.velocity)
+    assert len(parts(directory)) == 2
+    found, expected = (joined(blocks(parts(path), case.problem())) for path in (directory, whole))
+    np.testing.assert_array_equal(found.time, expected.time)
+    np.testing.assert_array_equal(found.displacement, expected.displacement)
+    np.testing.assert_array_equal(found.velocity, expected.velocity)
 
 
 @pytest.fixture(scope="module")

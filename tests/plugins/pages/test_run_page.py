@@ -169,7 +169,7 @@ def test_springs_are_drawn_between_chains_that_are_tied(held):
 
 def made(problem, *, rows=None):
     """Frames of a problem in which beads swing fast, and each bead as far as no other."""
-    shape = (problem.frames + 1, problem.chains, rows or problem.rows_a_frame)
+    shape = (problem.frames + 1, problem.chains, rows or problem.rows.count)
     number = np.arange(np.prod(shape)).reshape(shape)
     time = np.arange(problem.frames + 1) * problem.every
     return Trajectory(problem, time, np.zeros(shape), number % 7 * np.cos(2.0 * number))

@@ -137,7 +137,7 @@ def passing(own):
     """A pulse of a made-up shape that passes each bead at the time of its number."""
 
     def motion(time):
-        bead = own.recorded_beads[np.newaxis, np.newaxis, :]
+        bead = own.rows.numbers[np.newaxis, np.newaxis, :]
         v = np.exp(-((time - bead) ** 2))
         return np.cumsum(v, axis=0) * own.every, v
 

@@ -192,7 +192,7 @@ def test_recording_the_beads_concerned_is_enough(found):
     beads = (9, 10, 11, 20)
     few = replace(
         found,
-        problem=replace(found.problem, recorded=beads),
+        problem=replace(found.problem, rows=found.problem.rows.only(beads)),
         displacement=found.displacement[:, :, np.array(beads) - 1],
         velocity=found.velocity[:, :, np.array(beads) - 1],
     )

@@ -32,7 +32,7 @@ def test_a_scene_of_any_time_step_and_cadence_is_measured_as_with_neither(kind):
 
 def test_a_scene_that_is_measured_has_all_of_output_but_what_says_which_frames_are_written():
     asked = {"forces": {"contacts": [4]}, "spectra": {"beads": [3]}}
-    output = {"every": 0.3, "beads": [3, 9], "snapshots": 3.0, **asked}
+    output = {"every": 0.3, "beads": [3, 9], **asked}
     assert set(output) == set(Output.model_fields)
     scene = scene_to_run({**PAIR, "output": output}, (), "a")
     assert scene.plain()["output"] == {"beads": "all", **asked}

@@ -14,11 +14,11 @@ from stock_lammps import scene
 from analysis.compare.common_times import paired
 from analysis.compare.difference import DeviationPlace, Difference
 from analysis.trajectory import joined
-from lammps_inputs import Kick, Material, Output, library, strict_yaml
+from lammps_inputs import Kick, Material, library, strict_yaml
 from workflow.cli import main
 from workflow.commands.run import _checked, _exit_code
 from workflow.engines.reference import engine
-from workflow.engines.reference.step_halving import StepHalving, accurate_reference
+from workflow.engines.reference.step_halving import accurate_reference
 from workflow.prepare import pilot
 from workflow.prepare.pilot import better_timestep
 from workflow.prepare.step_choice import ChosenStep
@@ -207,20 +207,6 @@ def test_no_time_step_is_named_where_none_keeps_it_or_a_shorter_run_stood_for_th
     assert better_timestep(rough) == "leave `timestep` out, and a pilot run chooses a shorter one"
     far = scene(beads=2, gap=4e8, duration=1e5, every=1e3)
     assert "no time step is known to leave less, since rounding" in better_timestep(far)
-
-
-@pytest.mark.parametrize("wrong", [0.0, 0.1])
-def test_snapshots_are_checked_as_frames_are(wrong, tmp_path, monkeypatch):
-    output = Output(every=0.2, beads=(8,), snapshots=2.0)
-    directory = run(scene(beads=8, duration=8.0, output=output), tmp_path / "run", check=False).directory
-    snapshots = list(directory.snapshots())
-    moved = (replace(block, velocity=block.velocity + wrong) for block in snapshots)
-    monkeypatch.setattr(RunDirectory, "snapshots", lambda _: moved)
-    found = check(directory)
-    assert found.velocity == pytest.approx(wrong, abs=1e-3)
-    frames, whole = (StepHalving(of).run().velocity for of in (directory.problem, directory.problem.snapshots()))
-    assert found.reference.velocity == max(frames, whole)
-    assert frames < whole
 
 
 # --- what is said of it -----------------------------------------------------------------------------------------------

@@ -106,27 +106,6 @@ def test_an_interrupted_run_of_another_kind_goes_on_bit_for_bit(changes, tmp_pat
     goes_on_bit_for_bit(a_scene(**changes), tmp_path, after=5000)
 
 
-def with_snapshots():
-    """Frames of two beads, and snapshots of all."""
-    one = a_scene(recorded=(3, 7))
-    return one.model_copy(update={"output": one.output.model_copy(update={"snapshots": 20.0})})
-
-
-def test_snapshots_of_all_beads_go_on_too(tmp_path):
-    one = with_snapshots()
-    run(one, tmp_path / "whole", check=False)
-    shutil.copytree(interrupted_after(5000, one, tmp_path / "cut").path, tmp_path / "lost")
-    (tmp_path / "lost" / file_names.SNAPSHOTS).unlink()  # without all of them it starts again
-    for name, parts_of_snapshots in (("cut", 2), ("lost", 1)):
-        again = resume(tmp_path / name, check=False).directory
-        assert (again.job.resumed[-1].from_step == 0) == (name == "lost")
-        assert_same(again.path, tmp_path / "whole")
-        assert len(parts(again.path, "snapshots")) == parts_of_snapshots
-        left, right = (frames(path, "chains.snapshots*.bin") for path in (again.path, tmp_path / "whole"))
-        assert left.shape == (11, 3, 36)
-        np.testing.assert_array_equal(left, right)
-
-
 @pytest.mark.slow
 @TWO
 def test_two_ranks_are_interrupted_and_go_on_as_one_or_two(tmp_path):

@@ -36,11 +36,11 @@ def written(tmp_path):
 @pytest.mark.usefixtures("lammps_here")
 def test_steps_frames_and_bytes_are_those_of_the_run(tmp_path):
     plain = {"name": "a", "beads": 40, "kick": {"velocity": 1.0}, "duration": 20.0}
-    scene = library.from_plain({**plain, "output": {"beads": [3, 7], "every": 0.1, "snapshots": 2.0}}, "a")
+    scene = library.from_plain({**plain, "output": {"beads": [3, 7], "every": 0.1}}, "a")
     found, size = run(scene, tmp_path / "a", check=False).directory, size_of(scene.problem(), engine_called("lammps"))
     assert size.steps == found.job.steps
     assert size.frames == len(found.trajectory.time)
-    dumped = sum((found.path / name).stat().st_size for name in (file_names.DUMP, file_names.SNAPSHOTS))
+    dumped = (found.path / file_names.DUMP).stat().st_size
     assert size.bytes == pytest.approx(dumped, rel=0.01)
 
 

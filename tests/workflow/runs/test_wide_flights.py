@@ -80,4 +80,4 @@ def test_a_window_that_would_leave_a_kick_behind_is_refused(beads):
     kicks = tuple(Kick(bead=bead, velocity=velocity) for bead, velocity in zip(beads, (1.0, 0.001), strict=True))
     with pytest.raises(ValueError, match="would be removed before the kick"):
         scene(beads=300, kick=kicks, window=64)
-    assert scene(beads=300, kick=kicks, window=128).problem().window == 128
+    assert scene(beads=300, kick=kicks, window=128).problem().rows.width == 128

@@ -236,7 +236,7 @@ PRINTED = {
     "struck": (STRIKER, "no asymptotic amplitude: it has not settled; peak velocities are", "above the kick"),
     "damped": ({"damping": {"contact": 0.01}}, "in chain 1 the leading wave is decaying at bead", "steady"),
     "drag": ({"damping": {"beads": 0.01}}, "in chain 1 the leading wave is decaying at bead", "solitary at"),
-    "one snapshot": ({"output": {"every": 0.2, "snapshots": 50, "beads": [10, 20]}}, "largest drift: ", " 0.0e+00"),
+    "two beads": ({"output": {"every": 0.2, "beads": [10, 20]}}, "undefined: frames hold 2 of 40 beads", "drift"),
     "no pulse": ({"foundation": {"stiffness": 0.1}}, "no pulse keeps its shape in this scene", "does not apply"),
     "plain": ({}, "the asymptotic amplitude is 0.68", "range"),
 }  # fmt: skip

@@ -32,7 +32,7 @@ class FramesOnDisk:
         self._every = problem.steps_per_frame
         self._first = -(-begun // self._every)
         self._size = 0
-        self._least = 8 * 3 * problem.chains * problem.rows_a_frame
+        self._least = 8 * 3 * problem.chains * problem.rows.count
 
     def whole(self, step: int) -> bool:
         """Whether the file holds every frame until a step."""

@@ -26,7 +26,7 @@ class Travel:
     def __init__(self, lmp: Any, problem: Problem) -> None:
         self._lmp = lmp
         self._problem = problem
-        self.first = 1 if problem.window is None else int(self._variable("tail"))
+        self.first = int(self._variable("tail")) if problem.rows.follow else 1
         self.energy_behind = 0.0
         self.heard = 0.0
         if self.first > 1:  # continued
@@ -43,10 +43,10 @@ class Travel:
             OutrunError: the front has outrun the window.
         """
         problem = self._problem
-        if problem.window is None:
+        if not problem.rows.follow:
             self._run(steps)
             return
-        look = window.stride(problem)
+        look = problem.steps_between_stops
         while steps > 0:
             self._follow()
             self._run(min(look, steps))
@@ -78,11 +78,11 @@ class Travel:
         v = self._gathered("v")
         lateral[:] = 0.0
         self.heard, v = float(v[:, :, 2].max()), v[..., 0]
-        row = np.arange(self.first, self.first + problem.rows)
+        row = np.arange(self.first, self.first + problem.rows.existing)
         if self.first > 1:
-            place = (row - 1) % problem.rows
+            place = (row - 1) % problem.rows.existing
             x, v = x[:, place], v[:, place]
-        if problem.window is not None:
+        if problem.rows.follow:
             return x - row * problem.layout.spacing, v
         places = problem.layout.places
         return x - (places if len(x) == len(places) else places[np.arange(len(x)) % len(places)]), v
@@ -90,7 +90,7 @@ class Travel:
     def _gathered(self, name: str) -> Floats:
         """A property of all atoms, [line, row, axis]; 0 where there is no atom."""
         system = self._problem.system
-        shape = (physics.lines(system), self._problem.rows, 3)
+        shape = (physics.lines(system), self._problem.rows.existing, 3)
         if np.all(physics.masses(system)):
             return np.ctypeslib.as_array(self._lmp.gather_atoms(name, 1, 3)).reshape(shape)
         ids = physics.atom_ids(system)

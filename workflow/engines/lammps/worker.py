@@ -25,7 +25,7 @@ import numpy as np
 
 from analysis import motion
 from analysis.trajectory import Floats
-from lammps_inputs import Problem, file_names, physics, window
+from lammps_inputs import Problem, file_names, physics
 from lammps_inputs.decks import continuation
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits.rates import stability_bound
@@ -96,7 +96,6 @@ def instance(part: int) -> Any:
         lmp.command(f"log {file_names.LOG} append")
         lmp.command("variable steps equal step")
         lmp.command(f"variable dump index {continuation.dump_part(part)}")
-        lmp.command(f"variable snapshots index {continuation.snapshots_part(part)}")
         deck = file_names.CONTINUE
     lmp.file(deck)
     return lmp
@@ -113,9 +112,9 @@ def segments(lmp: Any, problem: Problem, tell: Callable[[Line], None] | None, *,
         every: seconds from restart to restart.
     """
     leads = tell is not None
-    largest = max(1, SEGMENT_BEAD_STEPS // (problem.chains * problem.rows))
+    largest = max(1, SEGMENT_BEAD_STEPS // (problem.chains * problem.rows.existing))
     # a restart falls between two cycles of the scheme, and where the window may follow
-    stride = window.stride(problem)
+    stride = problem.steps_between_stops
     begun = done = int(lmp.extract_global("ntimestep"))
     frames = Path(continuation.dump_part(part))
     travel = Travel(lmp, problem)

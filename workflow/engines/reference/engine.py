@@ -25,6 +25,7 @@ from lammps_inputs.chains import coupled_chains
 from lammps_inputs.laws import dashpot
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.rates import stability_bound
+from lammps_inputs.rows import Rows
 from lammps_inputs.units import DIMENSIONLESS
 from workflow.engines.reference import kernel
 from workflow.engines.reference.kernel import FrameArrays, Passing, Steps
@@ -46,10 +47,10 @@ _ABRUPT = 8.0
 
 
 def run(
-    problem: Problem, *, scheme: Scheme = BLANES_MOAN, steps_per_frame: int | None = None, window: int | None = None
+    problem: Problem, *, scheme: Scheme = BLANES_MOAN, steps_per_frame: int | None = None, rows: int | None = None
 ) -> Trajectory:
     """The whole trajectory; arguments as for `blocks`."""
-    return joined(blocks(problem, scheme=scheme, steps_per_frame=steps_per_frame, window=window))
+    return joined(blocks(problem, scheme=scheme, steps_per_frame=steps_per_frame, rows=rows))
 
 
 def load() -> None:
@@ -65,7 +66,7 @@ def two_beads() -> Problem:
         timestep=0.1,
         steps_per_frame=1,
         frames=1,
-        recorded=None,
+        rows=Rows(2),
         scale=DIMENSIONLESS,
     )
 
@@ -87,7 +88,7 @@ def blocks(
     *,
     scheme: Scheme = BLANES_MOAN,
     steps_per_frame: int | None = None,
-    window: int | None = None,
+    rows: int | None = None,
     most_frames: int | None = None,
 ) -> Iterator[Trajectory]:
     """Integrate a problem and yield its frames in consecutive blocks of bounded size, the start being frame 0.
@@ -96,7 +97,7 @@ def blocks(
         problem: what to integrate.
         scheme: how; its order and cost are in the scheme.
         steps_per_frame: steps between frames; by default as many as `default_steps_per_frame` says.
-        window: integrate this many rows at most, letting go of those farthest behind; by default all, or twice the
+        rows: integrate this many rows at most, letting go of those farthest behind; by default all, or twice the
             rows of the problem's own window: until that moves frames show all rows, then those near the front.
         most_frames: frames of a block at most, for those who end early.
 
@@ -104,32 +105,32 @@ def blocks(
         ValueError: a window that is too narrow, or not for this problem.
     """
     steps = default_steps_per_frame(problem) if steps_per_frame is None else steps_per_frame
-    if window is None and problem.window is not None:
-        window = WIDER * problem.window
+    if rows is None and problem.rows.follow:
+        rows = WIDER * problem.rows.existing
     step = problem.every / steps
-    state = make_state(problem, window, as_lammps=scheme is VERLET, step=step)
+    state = make_state(problem, rows, as_lammps=scheme is VERLET, step=step)
     x, v = state.x, state.v
     lines = problem.lines
-    recorded = _recorded(problem, state, 0.0)
-    start = x[recorded, :lines].T[np.newaxis].copy(), v[recorded, :lines].T[np.newaxis].copy()
+    beads = _beads_of_frames(problem, state, 0.0)
+    start = x[beads, :lines].T[np.newaxis].copy(), v[beads, :lines].T[np.newaxis].copy()
     counts = scheme is not VERLET and physics.exchanges(problem.system)
 
     def block(time: Floats, x: Floats, v: Floats, exchange: Floats, contact_state: Floats) -> Trajectory:
         """Frames from times [frame], motion [frame, line, bead], and exchange [frame, entry]."""
-        first = 1 if problem.window is None else int(recorded[0])
+        first = int(beads[0]) if problem.rows.follow else 1
         states = contact_state if contact_state.size else None
         return Trajectory.of_atoms(problem, time, x, v, first, exchange if counts else None, states)
 
     yield block(np.zeros(1), *start, np.zeros((1, len(EXCHANGES))), state.contact_state[np.newaxis].copy())
     size = min(frames_per_block(problem), most_frames or problem.frames)
-    if problem.window is not None:
+    if problem.rows.follow:
         size = max(1, min(size, math.floor(_ADVANCE / (rates.front_speed(problem.system) * problem.every))))
     for first in range(1, problem.frames + 1, size):
         frame = np.arange(first, min(first + size, problem.frames + 1))
-        recorded = _recorded(problem, state, len(frame) * problem.every)
-        frames = state.frame_arrays(len(frame), lines, len(recorded))
+        beads = _beads_of_frames(problem, state, len(frame) * problem.every)
+        frames = state.frame_arrays(len(frame), lines, len(beads))
         time = np.asarray(frame * problem.every, dtype=np.float64)
-        state.advance(scheme, step, (first - 1) * steps, steps, recorded, frames)
+        state.advance(scheme, step, (first - 1) * steps, steps, beads, frames)
         frames.exchange[:, -1] += brought_up(problem, time)
         yield block(time, *frames)
 
@@ -155,15 +156,15 @@ _ADVANCE = 16.0
 """Rows that the front may advance by in a block of frames where a window follows the pulse."""
 
 
-def _recorded(problem: Problem, state: "IntegratorState", ahead: float) -> NDArray[np.int64]:
+def _beads_of_frames(problem: Problem, state: "IntegratorState", ahead: float) -> NDArray[np.int64]:
     """Beads to record in the next frames, which end a time ahead."""
-    if problem.window is None:
-        return problem.recorded_beads
-    front = int(state.span[1])
+    if not problem.rows.follow:
+        return problem.rows.numbers
+    front, width = int(state.span[1]), problem.rows.existing
     # see `analysis.compare.common_times.near_the_front`: a window has moved before the front reaches its head
-    first = 1 if front < problem.window else front - problem.window // 2
+    first = 1 if front < width else front - width // 2
     return np.arange(
-        first, min(problem.beads, front + math.ceil(rates.front_speed(problem.system) * ahead) + problem.window) + 1
+        first, min(problem.beads, front + math.ceil(rates.front_speed(problem.system) * ahead) + width) + 1
     )
 
 
@@ -217,7 +218,7 @@ class IntegratorState:
         self.compiled.push[:] = 0.0
 
     def advance(
-        self, scheme: Scheme, h: float, first_step: int, steps: int, recorded: NDArray[np.int64], frames: FrameArrays
+        self, scheme: Scheme, h: float, first_step: int, steps: int, beads: NDArray[np.int64], frames: FrameArrays
     ) -> None:
         """Fill frames of the recorded beads, so many steps each, after ``first_step`` earlier ones.
 
@@ -226,7 +227,7 @@ class IntegratorState:
             h: time step, in units of T.
             first_step: steps before these frames.
             steps: steps from frame to frame.
-            recorded: numbers of the beads to record, [bead].
+            beads: numbers of the beads to record, [bead].
             frames: filled, [frame, line, bead].
 
         Raises:
@@ -240,10 +241,10 @@ class IntegratorState:
             begin, size = first_step + frame * steps, steps
             if steps > limit:  # the frame is overwritten until its last step
                 for done in range(0, steps - limit, limit):
-                    self.program.advance(self.compiled, self.parameters, stepping, begin, limit, recorded, filled)
+                    self.program.advance(self.compiled, self.parameters, stepping, begin, limit, beads, filled)
                     check()
                     begin, size = begin + limit, steps - done - limit
-            self.program.advance(self.compiled, self.parameters, stepping, begin, size, recorded, filled)
+            self.program.advance(self.compiled, self.parameters, stepping, begin, size, beads, filled)
             check()
 
     def steps_a_call(self, scheme: Scheme) -> int:
@@ -257,12 +258,12 @@ def make_steps(scheme: Scheme, h: float) -> Steps:
     return Steps(np.array(scheme.kicks), np.array(scheme.drifts), h)
 
 
-def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False, step: float = 0.0) -> IntegratorState:
+def make_state(problem: Problem, rows: int | None, *, as_lammps: bool = False, step: float = 0.0) -> IntegratorState:
     """The start of a problem.
 
     Args:
         problem: what is integrated.
-        window: largest number of rows that are integrated.
+        rows: largest number of rows that are integrated.
         as_lammps: whether forces from outside, and those against velocities, act as LAMMPS has them.
         step: LAMMPS's time step, in units of T.
 
@@ -273,11 +274,11 @@ def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False,
     kicked = [bead for _, bead, _ in physics.excitations(system)]
     first, last = max(1, min(kicked) - 1), min(problem.beads, max(kicked) + 1)
     least = last - first + 30
-    if window is not None and window < least:
-        raise ValueError(f"a window of {window} rows is too narrow; at least {least}")
+    if rows is not None and rows < least:
+        raise ValueError(f"a window of {rows} rows is too narrow; at least {least}")
     x, v = np.zeros((2, problem.beads + 2, physics.lines(problem.system)))
     v[1:-1, : problem.chains] = physics.initial_velocity(system).T
-    span = np.array([first, last, problem.beads if window is None else window, 1])
+    span = np.array([first, last, problem.beads if rows is None else rows, 1])
     terms, parameters = make_terms(system, as_lammps=as_lammps, step=step)
     state = kernel.make_state(x, v, span, terms, physics.contact_state(system))
     return IntegratorState(x, v, span, kernel.make_program(terms), parameters, state)
@@ -330,7 +331,7 @@ def usual_timestep(problem: Problem) -> float:
 def passages(
     problem: Problem,
     *,
-    window: int | None = None,
+    rows: int | None = None,
     timestep: float | None = None,
     until_bead: int | None = None,
     threshold: float = THRESHOLD,
@@ -351,7 +352,7 @@ def passages(
         ValueError: a window that is too narrow.
     """
     timestep = usual_timestep(problem) if timestep is None else timestep
-    state = make_state(problem, window)
+    state = make_state(problem, rows)
     arrival, peak = np.full((2, *state.x.shape), np.nan)
     starting = state.v > threshold
     arrival[starting], peak[starting] = 0.0, state.v[starting]

@@ -62,9 +62,9 @@ class StepHalving:
             RunError: velocities of one of the runs are not finite.
         """
         self._begin()
-        window = compared_rows(self.problem)
+        rows = compared_rows(self.problem)
         runs = (
-            engine.blocks(self.problem, steps_per_frame=steps, window=window)
+            engine.blocks(self.problem, steps_per_frame=steps, rows=rows)
             for steps in (self.steps_per_frame, self.steps_per_frame // 2)
         )
         for blocks in zip(*runs, strict=True):
@@ -119,19 +119,19 @@ def compared_rows(problem: Problem) -> int | None:
     The engine's choice suits a window that moves. One that has stood at the end of the chains for long may lack the
     slower pulses behind it, which only the complete chains show.
     """
-    if problem.window is None:
+    if not problem.rows.follow:
         return None
     before_last = problem.beads - 1
     waves = engine.passages(
-        replace(problem, window=None),
-        window=engine.WIDER * problem.window,
+        replace(problem, rows=problem.rows.near_front(None)),
+        rows=engine.WIDER * problem.rows.existing,
         until_bead=before_last,
     )
     arrival = float(np.min(waves.at(before_last).arrival, initial=problem.duration))
     # the pulses that the window lacks would have to come from behind its tail
     return (
         problem.beads
-        if rates.front_speed(problem.system) * (problem.duration - arrival) > problem.window / 2.0
+        if rates.front_speed(problem.system) * (problem.duration - arrival) > problem.rows.existing / 2.0
         else None
     )
 

@@ -132,7 +132,7 @@ def derivatives_of_motion(
     moving = _empty_frames(problem, len(sides))
     stretches = [_stretch(problem, side) for side in sides]
     direct = not system.dampers and not any(stretches)
-    recorded = problem.recorded_beads if direct else np.arange(1, problem.beads + 1)
+    recorded = problem.rows.numbers if direct else np.arange(1, problem.beads + 1)
     size = frames_per_block(problem)
     for first in (0, *range(1, problem.frames + 1, size)):
         place = slice(first, min(first + size, problem.frames + 1) if first else 1)
@@ -147,7 +147,7 @@ def derivatives_of_motion(
         if not direct:
             of_all = _completed(frames, moving.time[place], problem, sides, stretches)
             for array, values in zip(recorded_frames, of_all, strict=True):
-                array[:] = values[..., : problem.lines, problem.recorded_beads - 1]
+                array[:] = values[..., : problem.lines, problem.rows.numbers - 1]
     return moving
 
 
@@ -191,7 +191,7 @@ def _completed(
 
 def bytes_of_frames(problem: Problem, numbers: int) -> float:
     """Memory, in bytes, that the frames of a problem take with derivatives by so many numbers."""
-    return 16.0 * (1 + numbers) * (problem.frames + 1) * problem.lines * len(problem.recorded_beads)
+    return 16.0 * (1 + numbers) * (problem.frames + 1) * problem.lines * len(problem.rows.numbers)
 
 
 def _empty_frames(problem: Problem, numbers: int) -> DerivativesOfMotion:
@@ -201,7 +201,7 @@ def _empty_frames(problem: Problem, numbers: int) -> DerivativesOfMotion:
         InputError: they would take too much memory.
     """
     time = np.arange(problem.frames + 1, dtype=np.float64) * problem.every
-    shape = (len(time), problem.lines, len(problem.recorded_beads))
+    shape = (len(time), problem.lines, len(problem.rows.numbers))
     size = bytes_of_frames(problem, numbers)
     if size > MOST_BYTES:
         raise InputError(

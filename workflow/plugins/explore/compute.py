@@ -63,7 +63,7 @@ def computed(scene: Scene) -> ComputedScene:
 
 def estimated_seconds(problem: Problem) -> float:
     """Estimated time of `computed`, by the model of the reference's cost and the numbers of its frames, in s."""
-    recorded = problem.frames * problem.chains * problem.rows_a_frame
+    recorded = problem.frames * problem.chains * problem.rows.count
     return HALVED * (engines.engine_called("reference").seconds(problem, 1) or 0.0) + SECONDS_A_NUMBER * recorded
 
 

@@ -60,12 +60,12 @@ class Picture:
         self._peaks: Any = None
         if _has_pulse(result):
             title = "peak velocity of the leading pulse"
-            beads = ends(problem.recorded_beads.astype(np.float64), 1.0)
+            beads = ends(problem.rows.numbers.astype(np.float64), 1.0)
             bead_range = place_range if part.even else Range1d(*beads, bounds=beads)
             self._peaks = graph(title, "peaks", self._units, "velocity", bead_range, "bead")
             self._draw(self._peaks, _peaks(result, part, self._units["velocity"].worth))
             graphs.append(self._peaks)
-        self._energy = run_page.energy(part, self._time_range, self._units) if problem.whole else None
+        self._energy = run_page.energy(part, self._time_range, self._units) if problem.rows.complete else None
         graphs += [] if self._energy is None else [self._energy]
         for plot in graphs:
             plot.styles = {"flex": f"1 1 {NARROWEST}px"}
@@ -88,7 +88,7 @@ class Picture:
         problem, units = result.problem, units_of(result.problem, result.part)
         part = result.part.measured(units)
         limit = spacetime.RootScale.of(problem, part.beads, part.velocity).limit
-        same = (part.chains, part.beads.tolist(), _symbols(result), problem.whole, _has_pulse(result)) == (
+        same = (part.chains, part.beads.tolist(), _symbols(result), problem.rows.complete, _has_pulse(result)) == (
             self._part.chains,
             self._part.beads.tolist(),
             self._symbols,
@@ -190,7 +190,7 @@ def _middle_bead(result: ComputedScene) -> int:
 
 def _peaks(result: ComputedScene, part: Thinned, worth: float) -> list[tuple[Floats, Floats]]:
     """Recorded beads and peak velocities of the leading wave there, NaN where there is none, for each chain shown."""
-    beads = result.problem.recorded_beads
+    beads = result.problem.rows.numbers
     lines = []
     for chain in part.chains:
         waves = result.survey.waves.of_chain(chain)

@@ -42,12 +42,12 @@ class DrawnAtoms:
     @cached_property
     def line(self) -> Integers:
         """Line of each atom, [atom] from 0: the chain, or a line of resonators after all chains."""
-        return np.asarray(self._places // self.problem.rows_a_frame)
+        return np.asarray(self._places // self.problem.rows.count)
 
     @cached_property
     def column(self) -> Integers:
         """Place of each atom along the last axis of frames, [atom] from 0."""
-        return np.asarray(self._places % self.problem.rows_a_frame)
+        return np.asarray(self._places % self.problem.rows.count)
 
     @cached_property
     def _places(self) -> Integers:
@@ -55,13 +55,13 @@ class DrawnAtoms:
         problem = self.problem
         if problem.lines > problem.chains:
             return recording.all_ids(problem) - 1
-        return np.arange(problem.chains * problem.rows_a_frame)
+        return np.arange(problem.chains * problem.rows.count)
 
     @cached_property
     def radius(self) -> Floats:
         """Radius of each atom, [atom]; in a window those of its first place, where all beads are alike."""
         problem, layout = self.problem, self.problem.layout
-        recorded = self.relative_radii[:, problem.recorded_beads[: problem.rows_a_frame] - 1]
+        recorded = self.relative_radii[:, problem.rows.numbers[: problem.rows.count] - 1]
         beads = 0.5 * layout.diameter * recorded / np.max(self.relative_radii)
         of_chain = beads[self.line % problem.chains, self.column]
         return np.where(self.line < problem.chains, of_chain, 0.5 * layout.diameter_of_others)
@@ -75,9 +75,9 @@ class DrawnAtoms:
     def bonds(self) -> Integers:
         """Pairs of atoms with a spring between them, [bond, 2] from 0."""
         problem = self.problem
-        number = np.full((problem.lines, problem.rows_a_frame), -1, dtype=np.int64)
+        number = np.full((problem.lines, problem.rows.count), -1, dtype=np.int64)
         number[self.line, self.column] = np.arange(len(self.line))
-        rows = problem.recorded_beads[: problem.rows_a_frame] - 1
+        rows = problem.rows.numbers[: problem.rows.count] - 1
         pairs = [np.empty((0, 2), dtype=np.int64)]
         for lower, higher, acts in springs(problem):
             if higher < problem.lines:
@@ -143,7 +143,7 @@ def _write_gsd(request: ExportRequest, path: Path) -> None:
                 frame.particles.types = atoms.names
                 frame.particles.typeid = atoms.line
                 frame.log["Time"] = np.array([time])
-                if first or problem.window is not None:
+                if first or problem.rows.follow:
                     frame.log["particles/Bead"] = atoms.beads(block).astype(np.int32)
                 _bond(frame, atoms)
                 file.append(frame)

@@ -96,7 +96,7 @@ def _pictures(request: ExportRequest, name: str) -> Iterator[Picture]:
     problem = directory.problem
     motion_map = watch(spacetime.SpaceTime(problem), directory.blocks())
     frames = len(motion_map.time)
-    if frames < 2 or len(problem.recorded_beads) < 2:
+    if frames < 2 or len(problem.rows.numbers) < 2:
         raise InputError(f"{directory.path}: has one frame or records one bead, of which there is no film")
     recorded = round(motion_map.until / problem.every) + 1
     count = min(max(2, round(options.seconds * options.rate)), recorded)
@@ -139,7 +139,7 @@ class _Stage:
     def __init__(self, problem: Problem, motion_map: spacetime.SpaceTime, relative_radii: Floats, pixels: int) -> None:
         self._problem = problem
         self._chains = style.shown_chains(problem)
-        self._beads = problem.recorded_beads
+        self._beads = problem.rows.numbers
         size = relative_radii[self._chains][:, self._beads - 1]
         self._widths = 0.95 * size / np.max(size)
         self._scale = spacetime.RootScale.of(problem, motion_map.beads, motion_map.velocity)
@@ -213,7 +213,7 @@ class _Stage:
     @style.styled
     def picture(self, frame: Trajectory) -> Picture:
         """Picture of one frame."""
-        if self._problem.window is not None:
+        if self._problem.rows.follow:
             frame = frame.on(1, self._problem.beads, behind=np.nan)
         first, last = self._in_sight(frame)
         chosen = slice(first, last)

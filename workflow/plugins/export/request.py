@@ -62,7 +62,7 @@ class ExportRequest:
         """
         problem, every = self.directory.problem, self.options.every
         total = problem.frames // every + 1
-        beads = problem.beads if problem.window is not None else problem.rows_a_frame
+        beads = problem.beads if problem.rows.follow else problem.rows.count
         expected = total * problem.chains * beads * bytes_of_bead
         if expected > LARGE:
             screen.hint(f"{name}: {total} frames of {problem.chains} x {beads} beads, {expected / 1e6:.0f} MB at most")

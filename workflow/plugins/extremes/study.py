@@ -63,7 +63,7 @@ def true_error(directory: RunDirectory, tolerance: float) -> LargestError:
         directory: run directory.
         tolerance: required uncertainty in units of V; a larger one is accepted where a smaller one takes too long.
     """
-    problem = replace(directory.problem, window=None)  # all rows, whatever the run had
+    problem = replace(directory.problem, rows=directory.problem.rows.near_front(None))  # all rows, whatever the run had
     steps = 2 * engine.default_steps_per_frame(problem)
     for _ in range(_HALVINGS):
         halving = StepHalving(problem, steps_per_frame=steps)

@@ -74,7 +74,7 @@ class Model:
         self.measured = measured = traces.load(path)
         self.fixed_offset = offset
         start = self._problem(scene, 1.0)
-        if start.window is not None:
+        if start.rows.follow:
             raise InputError(f"{source}: window: rows behind it have no traces; leave it out")
         if gradient:
             tangent.refuse_without_slope(start.system)
@@ -149,7 +149,8 @@ class Model:
         """A problem with so many steps between frames, which lie at the same times for all parameters."""
         every = self.every / problem.scale.time
         frames = round(problem.duration / every)
-        return replace(problem, timestep=every / steps, steps_per_frame=steps, frames=frames, recorded=self.beads)
+        rows = problem.rows.only(self.beads)
+        return replace(problem, timestep=every / steps, steps_per_frame=steps, frames=frames, rows=rows)
 
     def run(self, parameters: Floats, until: float) -> Trajectory:
         """Motion of the beads next to the channels, from the start until a time.
@@ -210,7 +211,9 @@ class Model:
         last = max(0.0, float(self.measured.time[-1]) - self.offset(parameters)) + _LATER * self.every
         problem = self._problem(self.scene_at(parameters), last, own_step=True)
         run = engine.run(
-            replace(problem, recorded=self.beads), scheme=schemes.VERLET, steps_per_frame=problem.steps_per_frame
+            replace(problem, rows=problem.rows.only(self.beads)),
+            scheme=schemes.VERLET,
+            steps_per_frame=problem.steps_per_frame,
         )
         fitted = np.isfinite(self.measured.values) & ~jumps
         difference = np.where(fitted, self._traces_of(run, parameters) - traces, np.nan)

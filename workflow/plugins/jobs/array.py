@@ -56,7 +56,7 @@ def write_array(arguments: argparse.Namespace, options: JobOptions) -> WrittenSw
         lines += [tuple(new[first : first + count]) for first in range(0, len(new), count)]
         small = decks.write(f"{__name__}:files_of_case", {"scheduler": options.scheduler})
         options = with_ranks(options, small[0])
-        if options.ranks > (rows := small[-1].rows):
+        if options.ranks > (rows := small[-1].rows.existing):
             raise InputError(
                 f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {rows} rows of a case"
             )

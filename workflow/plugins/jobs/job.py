@@ -26,10 +26,9 @@ import re
 import shlex
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 from granchain import InputError
-from granchain.parts import Problem, continuation, cost_model, deck, file_names, window
+from granchain.parts import Problem, continuation, cost_model, deck, file_names
 from workflow.plugins.jobs import job_files
 from workflow.plugins.jobs.schedulers import SLURM, Request, Scheduler
 from workflow.plugins.jobs.site import RANKS, JobOptions
@@ -48,8 +47,9 @@ def render_job(options: JobOptions, problem: Problem, directory: Path | None = N
     Raises:
         InputError: more ranks than rows, or the scene asks for what only `granchain run` does.
     """
-    if options.ranks > problem.rows:
-        raise InputError(f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {problem.rows} rows")
+    rows = problem.rows.existing
+    if options.ranks > rows:
+        raise InputError(f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {rows} rows")
     head = _head(options, problem.name, directory, [], None)
     script = _deck_job(options, head, [f"again=({options.of_scheduler.dependency})"])
     return {options.of_scheduler.script: f"{script}compute\n", **case_files(problem, options.of_scheduler)}
@@ -237,7 +237,7 @@ def render_input(problem: Problem, scheduler: Scheduler = SLURM) -> str:
             f"log {file_names.LOG} append",
             "processors ${ranks} 1 1          # refused where copies of LAMMPS were started instead of ranks",
         ],
-        _part_lines(problem),
+        _part_lines(),
         ["variable steps equal step        # the input sets up and goes no further", "include ${input}"],
         _size_lines(problem),
         _stretch_lines(problem),
@@ -254,7 +254,7 @@ def render_input(problem: Problem, scheduler: Scheduler = SLURM) -> str:
         ],
         [
             *continuation.restart_lines(problem),
-            *_keep_lines(problem),
+            *_keep_lines(),
             *read_flag,
             'if "${flag} == full" then "quit 1"',
             f'if "${{left}} == 0" then "print done file {job_files.FLAG}" "quit"',
@@ -265,60 +265,40 @@ def render_input(problem: Problem, scheduler: Scheduler = SLURM) -> str:
     return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
 
 
-class _Dump(NamedTuple):
-    """A dump of a job.
-
-    Attributes:
-        file: its first file; later ones have the number of the part before ``.bin``.
-        every: steps between two frames, as LAMMPS evaluates it.
-        frame: bytes of a frame, but for 4 bytes a rank.
-    """
-
-    file: str
-    every: str
-    frame: int
-
-
-def _dumps(problem: Problem) -> dict[str, _Dump]:
-    """The dumps of a job, by the LAMMPS variable that names the file."""
-    dumps = {"dump": _Dump(file_names.DUMP, "v_every", _frame_bytes(problem))}
-    if problem.frames_per_snapshot is not None:
-        every = f"({problem.frames_per_snapshot}*v_every)"
-        dumps["snapshots"] = _Dump(file_names.SNAPSHOTS, every, _frame_bytes(problem.snapshots()))
-    return dumps
-
-
-def _part_lines(problem: Problem) -> list[str]:
-    """Variables for the input and the files of frames of a part, by its number."""
-    files = [(name, dump.file, dump.file.replace(".bin", ".${part}.bin")) for name, dump in _dumps(problem).items()]
+def _part_lines() -> list[str]:
+    """Variables for the input and the file of frames of a part, by its number."""
+    later = file_names.DUMP.replace(".bin", ".${part}.bin")
     return [
         f'if "${{part}} == 1" then "variable {name} string {first}" else "variable {name} string {later}"'
-        for name, first, later in [("input", file_names.DECK, file_names.CONTINUE), *files]
+        for name, first, later in [
+            ("input", file_names.DECK, file_names.CONTINUE),
+            ("dump", file_names.DUMP, later),
+        ]
     ]
 
 
 def _size_lines(problem: Problem) -> list[str]:
-    """Variables for the bytes that each file of frames must have."""
-    lines = ["variable untimed equal $((step>0)&&(version<20230802))   # such a part has frames without their time"]
-    for name, dump in _dumps(problem).items():
-        lines.append(f"variable {name}_first equal $(ceil(step/{dump.every}))")
-        frames = f"(floor(step/{dump.every})-v_{name}_first+1)"
-        lines.append(f"variable {name}_bytes equal {frames}*({dump.frame}+4*v_ranks-8*v_untimed)")
-    return lines
+    """Variables for the bytes that the file of frames must have."""
+    return [
+        "variable untimed equal $((step>0)&&(version<20230802))   # such a part has frames without their time",
+        "variable dump_first equal $(ceil(step/v_every))",
+        "variable dump_bytes equal (floor(step/v_every)-v_dump_first+1)"
+        f"*({_frame_bytes(problem)}+4*v_ranks-8*v_untimed)",
+    ]
 
 
 def _frame_bytes(problem: Problem) -> int:
     """Bytes of a frame of the dump, but for 4 bytes a rank."""
     names = deck.columns(problem)
-    atoms = problem.chains * problem.rows_a_frame
+    atoms = problem.chains * problem.rows.count
     return 143 + len(" ".join(names)) + 8 * len(names) * atoms
 
 
 def _stretch_lines(problem: Problem) -> list[str]:
     """Variables for the steps of a stretch: about `STRETCH` seconds, at the least those after which a run may stop."""
     fixed, bead = cost_model.step_seconds(problem)
-    beads, grain = problem.chains * problem.rows * bead, window.stride(problem)
-    frames = "".join(f"+{cost_model.frame_seconds(dump.frame):.3g}/{dump.every}" for dump in _dumps(problem).values())
+    beads, grain = problem.chains * problem.rows.existing * bead, problem.steps_between_stops
+    frames = f"+{cost_model.frame_seconds(_frame_bytes(problem)):.3g}/v_every"
     seconds = f"{fixed:.3g}+{beads:.3g}/v_ranks+{cost_model.MESSAGES:g}*(v_ranks>1){frames}"
     return [
         f"variable seconds equal {seconds}   # of a step, by a model",
@@ -328,19 +308,15 @@ def _stretch_lines(problem: Problem) -> list[str]:
     ]
 
 
-def _keep_lines(problem: Problem) -> list[str]:
+def _keep_lines() -> list[str]:
     """Put the restart that was written in place of the one before, if it and all frames until then are on the disk.
 
     The record of the frames is put in place first: where only that was done, it is right for the restart before, too.
     """
-    names = list(_dumps(problem))
     record, restart = f"{job_files.FRAMES}.part", file_names.UNFINISHED
     return [
-        *(
-            f'print "${{{name}}}:$(v_{name}_bytes:%.0f)" {"append" if number else "file"} {record} screen no'
-            for number, name in enumerate(names)
-        ),
-        f"shell stat -c %n:%s {' '.join(f'${{{name}}}' for name in names)} | cmp -s - {record} && &",
+        f'print "${{dump}}:$(v_dump_bytes:%.0f)" file {record} screen no',
+        f"shell stat -c %n:%s ${{dump}} | cmp -s - {record} && &",
         f"  tail -c 16 {restart} | grep -q RestartT && &",
         f"  mv {record} {job_files.FRAMES} && mv {restart} {file_names.RESTART} || &",
         f"  echo full 1<>{job_files.FLAG}",

@@ -23,10 +23,10 @@ compute() {  # the run in the present directory
     part=1  # of the frames; after a restart the next one, and the one before it as it was at the restart
     [ -s chains.restart ] && part=$(($(ls chains.dump*.bin | wc -l) + 1)) || rm -f job.frames
     while IFS=: read -r file bytes; do
-        [[ $file:$bytes =~ ^chains\.(dump|snapshots)(\.([1-9][0-9]{0,8}))?\.bin:[0-9]{1,18}$ ]] &&
+        [[ $file:$bytes =~ ^chains\.dump(\.([1-9][0-9]{0,8}))?\.bin:[0-9]{1,18}$ ]] &&
             [ "$(stat -c %s "$file")" -ge "$bytes" ] && truncate -s "$bytes" "$file" ||
             end failed "$file is shorter than at the restart, or job.frames is damaged" || return
-        part=$((${BASH_REMATCH[3]:-1} + 1))
+        part=$((${BASH_REMATCH[2]:-1} + 1))
     done < <(cat job.frames 2>/dev/null)
     echo "# job $job" | tee -a log.lammps
     "${lammps[@]}" -in in.job -var part $part -var ranks "$ranks" -var checkpoint $checkpoint </dev/null &

@@ -23,19 +23,19 @@ RANKS_OF_A_NODE = 32
 
 def memory(problem: Problem, ranks: int) -> float:
     """Memory of all ranks together, in bytes."""
-    return float(cost_model.MEMORY * problem.chains * problem.rows + PROCESS * ranks)
+    return float(cost_model.MEMORY * problem.chains * problem.rows.existing + PROCESS * ranks)
 
 
 def restart(problem: Problem) -> float:
     """Size of a restart, in bytes."""
     bead = COUPLED_RESTART if physics.coupled(problem.system) else LONE_RESTART
-    return float(bead * problem.chains * problem.rows)
+    return float(bead * problem.chains * problem.rows.existing)
 
 
 def sentence(problem: Problem, ranks: int) -> str:
     """All costs of a run on a number of ranks in one line."""
     costs = cost_model.cost(problem, ranks)
-    beads = math.ceil(problem.chains * problem.rows / ranks)
+    beads = math.ceil(problem.chains * problem.rows.existing / ranks)
     time, step = numbers.time_text(costs.seconds), numbers.time_text(costs.step)
     sizes = map(numbers.size_text, (memory(problem, ranks), costs.frames, costs.frame, restart(problem)))
     in_memory, frames, frame, in_restart = sizes
@@ -52,8 +52,8 @@ def least_beads(problem: Problem) -> int:
 
 def advised(problem: Problem, most_ranks: int) -> int:
     """Number of ranks that are worth while, at most ``most_ranks``."""
-    beads = problem.chains * problem.rows
-    return max(1, min(most_ranks, beads // least_beads(problem), problem.rows // LEAST_ROWS))
+    beads = problem.chains * problem.rows.existing
+    return max(1, min(most_ranks, beads // least_beads(problem), problem.rows.existing // LEAST_ROWS))
 
 
 def too_many(problem: Problem, ranks: int) -> str:

@@ -51,9 +51,8 @@ def lammps_problem(problem: Problem, energy: float, period: float, steps: int, p
     chain, bead = np.argwhere(free_atoms(problem.system)[: problem.chains])[0].tolist()
     speed = math.sqrt(2.0 * energy / float(physics.mass_of(problem.system, chain, bead)))
     system = replace(problem.system, kicks=((chain + 1, bead + 1, speed),))
-    return replace(
-        problem, system=system, timestep=period / steps, steps_per_frame=steps, frames=periods, recorded=None
-    )
+    rows = problem.rows.only(None)
+    return replace(problem, system=system, timestep=period / steps, steps_per_frame=steps, frames=periods, rows=rows)
 
 
 def steps_per_period(problem: Problem, period: float) -> int:

@@ -97,7 +97,7 @@ def compared_frames(problem: Problem, pairs: Iterable[Pair], chains: list[int]) 
 def _side_by_side(problem: Problem, first: Trajectory, second: Trajectory) -> Trajectory:
     """Frames with the chains of A, then those of B, then their differences A minus B, as lines."""
     # no energy is computed of frames of some beads, and that of a difference means nothing
-    recorded = None if problem.window is not None else tuple(problem.recorded_beads.tolist())
+    rows = first.problem.rows.only(None if problem.rows.follow else problem.rows.numbers)
     x, v = (
         np.concatenate([values, other_values, values - other_values], axis=1)
         for values, other_values in (
@@ -105,8 +105,7 @@ def _side_by_side(problem: Problem, first: Trajectory, second: Trajectory) -> Tr
             (first.velocity, second.velocity),
         )
     )
-    listed = replace(first.problem, recorded=recorded)
-    return Trajectory(listed, first.time, x, v, first.first)
+    return Trajectory(replace(first.problem, rows=rows), first.time, x, v, first.first)
 
 
 def layout(problem: Problem, runs: ComparedRuns, names: tuple[str, str], shown_bead: int) -> tuple[Any, CustomJS]:

@@ -98,10 +98,10 @@ def thinned(
         most_numbers: numbers that are kept of each kind, about.
         deforms: whether overlaps and forces are shown, where beads have some.
     """
-    recorded = problem.recorded_beads
+    recorded = problem.rows.numbers
     beads = slice(None, None, max(1, -(-len(recorded) // MOST_BEADS)))
     numbers = (problem.frames + 1) * len(chains)
-    recorded_numbers = numbers * problem.rows_a_frame // beads.step
+    recorded_numbers = numbers * problem.rows.count // beads.step
     stride = max(1, -(-recorded_numbers // most_numbers), -(-numbers * len(recorded[beads]) // MOST_HELD))
     tied = _tied(problem, chains)
     parts: list[tuple[Floats, ...]] = []
@@ -142,7 +142,7 @@ def thinned(
 
 def _whole(frames: Trajectory) -> Trajectory:
     """Frames of all rows, also where a window follows the pulse; NaN where it has left."""
-    return frames if frames.problem.window is None else frames.on(1, frames.problem.beads, behind=np.nan)
+    return frames.on(1, frames.problem.beads, behind=np.nan) if frames.problem.rows.follow else frames
 
 
 def _largest(values: Floats, first: NDArray[np.intp]) -> Floats:
@@ -155,7 +155,7 @@ def _of(frames: Trajectory, deforms: bool) -> tuple[Floats, Floats, Floats]:
     """Displacement, and overlap and force of each bead with the next, all [frame, chain, bead]."""
     problem, x = frames.problem, frames.displacement
     overlap, force = np.full_like(x, np.nan), np.full_like(x, np.nan)
-    if problem.recorded is None and deforms and problem.system.holds(Fact.OVERLAPS):
+    if problem.rows.neighbours and deforms and problem.system.holds(Fact.OVERLAPS):
         of_contacts = motion.overlaps(problem.system, x)
         overlap[..., :-1] = np.maximum(of_contacts, 0.0)
         force[..., :-1] = motion.contact_force(frames.system, of_contacts)
@@ -164,7 +164,7 @@ def _of(frames: Trajectory, deforms: bool) -> tuple[Floats, Floats, Floats]:
 
 def _energy(frames: Trajectory) -> Floats:
     """Energy of each bead, [frame, chain, bead]; NaN where not all beads are recorded."""
-    if not frames.problem.whole:
+    if not frames.problem.rows.complete:
         return np.full(frames.velocity.shape, np.nan)
     return motion.bead_energy(frames.system, frames.displacement, frames.velocity)
 

@@ -126,7 +126,7 @@ def _draw_over_beads(
 
 def _broken(problem: Problem, bead: Integers | Floats, value: Floats) -> tuple[dict[str, Any], dict[str, Any]]:
     """Values over beads with NaN at recorded beads between them that have none; and those that stand alone."""
-    between = problem.recorded_beads[(problem.recorded_beads > bead[0]) & (problem.recorded_beads < bead[-1])]
+    between = problem.rows.numbers[(problem.rows.numbers > bead[0]) & (problem.rows.numbers < bead[-1])]
     every = np.union1d(bead, between)
     values = np.full(len(every), np.nan)
     values[np.searchsorted(every, bead)] = value
@@ -328,7 +328,7 @@ def _graphs(
         all_beads = (float(part.beads[0]) - 1.0, float(part.beads[-1]) + 1.0)
         bead_range = place_range if part.even else Range1d(*all_beads, bounds=all_beads)
         graphs += distances(problem, part, survey, bead_range, units)
-    if problem.whole:
+    if problem.rows.complete:
         graphs.append(energy(part, time_range, units))
     return graphs
 

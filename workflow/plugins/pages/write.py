@@ -314,7 +314,7 @@ def _left_out(problem: Problem, part: Thinned) -> list[str]:
             f"Frames shown are {distance} apart, too far to follow a pulse closely: {names} may have been larger "
             "between them."
         )
-    if problem.window is not None:
+    if problem.rows.follow:
         lines.append("Grey: the window has left; what happened there is not known.")
     return lines
 
@@ -360,7 +360,7 @@ def _compared(runs: tuple[RunDirectory, ...], comparison: validate.Validation, f
     lines = [*compared_lines(runs, comparison), *_shown(problem, frames.first)]
     if frames.first.frame_stride > 1:
         lines.append("Each velocity and each difference is the largest in size around its frame.")
-    if problem.window is not None:
+    if problem.rows.follow:
         lines.append("Grey: the window has left.")
     made = render(
         f"{directory.scene.name}: {first} against {second}",

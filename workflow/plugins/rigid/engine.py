@@ -70,7 +70,7 @@ def reschedule(heap: Heap, member: int, time: float) -> None:
     members[place], places[member] = member, place
 
 
-class Rows(NamedTuple):
+class RowStates(NamedTuple):
     """State of every row at its own time, that of its last collision."""
 
     x: Floats
@@ -84,7 +84,7 @@ class Rows(NamedTuple):
 class CollisionState(NamedTuple):
     """Everything that the loop changes."""
 
-    rows: Rows
+    rows: RowStates
     queue: Heap
     """queue of the pairs"""
     chain: Ints
@@ -109,7 +109,7 @@ class EventArrays(NamedTuple):
     """velocity of the bead of the next row before the collision, and of this one after it"""
 
 
-def make_state(rows: Rows, modes: Modes) -> CollisionState:
+def make_state(rows: RowStates, modes: Modes) -> CollisionState:
     """A state in which nothing has been predicted yet."""
     pairs, chains = len(rows.x) - 1, rows.x.shape[1]
     oscillating = len(modes.omega)
@@ -124,7 +124,7 @@ def make_state(rows: Rows, modes: Modes) -> CollisionState:
 
 
 @compiled.ieee_called_by_compiled
-def evolve(rows: Rows, pair: int, time: float, modes: Modes, near: Floats) -> None:
+def evolve(rows: RowStates, pair: int, time: float, modes: Modes, near: Floats) -> None:
     """Write displacements and velocities of a pair of rows at a time into ``near``, [x and v, row of the pair, chain].
 
     The rows themselves stay as their last collision left them, so that looking at a row never adds to its rounding.
@@ -135,7 +135,7 @@ def evolve(rows: Rows, pair: int, time: float, modes: Modes, near: Floats) -> No
 
 
 @compiled.ieee_called_by_compiled
-def resolve(rows: Rows, pair: int, time: float, chain: int, near: Floats) -> None:
+def resolve(rows: RowStates, pair: int, time: float, chain: int, near: Floats) -> None:
     """Set a pair of rows to ``near``, [x and v, row of the pair, chain], and exchange the velocities of one chain."""
     for side in range(2):
         rows.time[pair + side] = time
@@ -324,7 +324,7 @@ def played_back(run: CollisionRun, times: Floats, size: int) -> Iterator[Traject
     Returns:
         Blocks of frames, displacement and velocity [frame, chain, recorded bead] each.
     """
-    problem, recorded = run.problem, run.problem.recorded_beads
+    problem, recorded = run.problem, run.problem.rows.numbers
     rows, modes = _start(problem)
     events, event = (run.time, run.chain - 1, run.row - 1), 0
     for first in range(0, max(1, len(times)), size):
@@ -334,16 +334,16 @@ def played_back(run: CollisionRun, times: Floats, size: int) -> Iterator[Traject
         yield Trajectory(problem, frames, displacement, velocity)
 
 
-def _start(problem: Problem) -> tuple[Rows, Modes]:
+def _start(problem: Problem) -> tuple[RowStates, Modes]:
     """Rows at time 0, and the modes of each."""
     velocity = np.array(physics.initial_velocity(problem.system).T, order="C")
-    rows = Rows(np.zeros_like(velocity), velocity, np.zeros(len(velocity)))
+    rows = RowStates(np.zeros_like(velocity), velocity, np.zeros(len(velocity)))
     return rows, make_modes(problem.chains, physics.kappa(problem.system))
 
 
 @compiled.ieee
 def _replay(
-    rows: Rows,
+    rows: RowStates,
     modes: Modes,
     events: tuple[Floats, Ints, Ints],
     event: int,

@@ -157,8 +157,8 @@ class Dispersion:
 
     def __init__(self, problem: Problem) -> None:
         self.cell = unit_cell.cell_of(problem.system)
-        if not problem.whole:
-            raise unit_cell.NoDispersionError("it takes the velocities of all beads; record them all")
+        if not problem.rows.complete:
+            raise unit_cell.NoDispersionError(f"it takes the velocities of all beads, and {problem.rows.missing}")
         top = float(self.cell.bands().max())
         if problem.every * top > math.pi:
             limit = math.pi / top * problem.scale.time

@@ -135,7 +135,7 @@ class SoundMeter(measurement.Meter):
     def __init__(self, run: measurement.Recorded) -> None:
         self.problem = run.problem
         self._length = bead_length(run.scene)
-        pulses = run.problem.whole and run.problem.system.holds(Fact.PULSE)
+        pulses = run.problem.rows.complete and run.problem.system.holds(Fact.PULSE)
         self._pulse = LoadedPulse(run.problem) if pulses else None
 
     def add(self, block: Trajectory) -> None:

@@ -77,7 +77,7 @@ class EngineSetting:
     @property
     def effort(self) -> float:
         """Work relative to other settings of the engine: evaluations of forces times the share of beads simulated."""
-        return self.forces * self.problem.rows / self.problem.beads / min(self.ranks, 2)
+        return self.forces * self.problem.rows.existing / self.problem.beads / min(self.ranks, 2)
 
 
 def run(setting: EngineSetting, directory: Path) -> float:
@@ -148,7 +148,9 @@ def settings(problem: Problem) -> list[EngineSetting]:
         by_lammps += [EngineSetting(LAMMPS + name, variant.timestep, variant) for variant in several]
     most_ranks = 1 if mpi.launcher() is None else min(MOST_RANKS, mpi.cores(), problem.beads)
     ranks = [EngineSetting(RANKS, 2**power, problem, ranks=2**power) for power in range(1, most_ranks.bit_length())]
-    with_window = [EngineSetting(WINDOW, rows, replace(problem, window=rows)) for rows in windows(problem)]
+    with_window = [
+        EngineSetting(WINDOW, rows, replace(problem, rows=problem.rows.near_front(rows))) for rows in windows(problem)
+    ]
     return [*by_lammps, *by_reference, *ranks, *with_window]
 
 
@@ -176,7 +178,7 @@ def windows(problem: Problem) -> list[int]:
     forward = all(
         velocity > 0.0 and bead <= window.LEAST_WINDOW - window.HEADROOM for _, bead, velocity in system.kicks
     )
-    if problem.recorded is not None or not (physics.uniform(system) and forward and system.holds(Fact.FRONT)):
+    if not problem.rows.neighbours or not (physics.uniform(system) and forward and system.holds(Fact.FRONT)):
         return []
     widths = [round(window.LEAST_WINDOW * WIDEN**power) for power in range(MOST_WIDTHS)]
     return [rows for rows in widths if rows < 0.9 * problem.beads]
@@ -225,7 +227,7 @@ class Truth:
         stream = iter(blocks)
         first = next(stream)
         stride = max(1, round(first.problem.every / self.problem.every))
-        truth_problem = replace(self.problem, window=first.problem.window)
+        truth_problem = replace(self.problem, rows=self.problem.rows.near_front(first.problem.rows.width))
         exact = recording.blocks([self.path], self.problem, stride)
         errors = difference.errors_of(
             chain([first], stream), (replace(block, problem=truth_problem) for block in exact)
@@ -309,5 +311,5 @@ def _interval(problem: Problem, measured: peaks.Peaks, exact: peaks.Peaks) -> In
     amplitude = float(np.max(np.abs(measured.velocity - true.velocity), initial=math.inf if missing else 0.0))
     arrival = float(np.max(np.abs(measured.time - true.time)[peaks.sharp(true)], initial=math.inf if missing else 0.0))
     return Interval(
-        problem.every, amplitude, arrival, 24e-6 * problem.frames * problem.chains * len(problem.recorded_beads)
+        problem.every, amplitude, arrival, 24e-6 * problem.frames * problem.chains * len(problem.rows.numbers)
     )

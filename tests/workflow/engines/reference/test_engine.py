@@ -290,7 +290,7 @@ def test_one_moving_row_ahead_is_the_most_that_the_span_holds():
 @pytest.mark.parametrize(("chains", "kappa"), [(2, 0.01), (2, 0.1), (3, 0.1)])
 def test_a_window_of_forty_rows_has_the_front_of_the_full_run_bit_for_bit(chains, kappa):
     like = problem(chains=chains, kappa=kappa, beads=300, duration=350.0, every=0.5)
-    full, seen = (run(like, window=window) for window in (None, 40))
+    full, seen = (run(like, rows=window) for window in (None, 40))
     for frame in range(0, full.frames, 7):
         front = np.flatnonzero((full.velocity[frame] != 0.0).any(axis=0))[-1]
         rows = slice(max(0, front - 8), front + 1)
@@ -298,17 +298,17 @@ def test_a_window_of_forty_rows_has_the_front_of_the_full_run_bit_for_bit(chains
 
 
 def test_rows_that_the_window_let_go_keep_their_last_state():
-    late = run(problem(beads=100, duration=100.0), window=40)[-50:]
+    late = run(problem(beads=100, duration=100.0), rows=40)[-50:]
     np.testing.assert_array_equal(late.velocity[:, :, :20], np.broadcast_to(late.velocity[0, :, :20], (50, 2, 20)))
 
 
 def test_a_window_wider_than_the_chain_changes_nothing():
-    np.testing.assert_array_equal(run(problem()).velocity, run(problem(), window=1000).velocity)
+    np.testing.assert_array_equal(run(problem()).velocity, run(problem(), rows=1000).velocity)
 
 
 def test_a_window_narrower_than_the_pulse_is_refused():
     with pytest.raises(ValueError, match="a window of 20 rows is too narrow"):
-        run(problem(beads=100), window=20)
+        run(problem(beads=100), rows=20)
 
 
 def test_recording_some_beads_records_them_of_the_same_run():
@@ -374,7 +374,7 @@ def test_leading_peaks_are_those_of_recorded_frames():
 @pytest.mark.parametrize(("chains", "kappa"), [(1, None), (2, 0.1), (3, 0.1), (2, 0.01)])
 def test_a_window_behind_the_front_changes_no_bit_of_the_leading_pulse(chains, kappa):
     like = long(chains, 400, kappa, 2000.0)
-    whole, windowed = (passages(like, until_bead=390, window=window) for window in (None, 40))
+    whole, windowed = (passages(like, until_bead=390, rows=window) for window in (None, 40))
     ahead, same = windowed.bead <= 390, whole.where(whole.bead <= 390)
     np.testing.assert_array_equal(windowed.arrival[ahead], same.arrival)
     np.testing.assert_array_equal(windowed.peak_velocity[ahead], same.peak_velocity)

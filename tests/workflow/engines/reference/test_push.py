@@ -73,7 +73,7 @@ def test_the_work_on_frames_is_that_on_their_own_motion():
 def test_nothing_moves_that_the_push_has_not_reached():
     one = pushed(Load(1, 20, HalfSine(0.8, 2.0)), chains=1, beads=40, frames=50)
     whole = engine.run(one)
-    narrow = engine.run(one, window=34)
+    narrow = engine.run(one, rows=34)
     np.testing.assert_array_equal(whole.velocity, narrow.velocity)
     assert not whole.velocity[10, 0, 35:].any()
 

@@ -86,7 +86,7 @@ def hertz_impulses(problem: Problem) -> impulses.Impulses:
 
 def curves(problem: Problem, rows: Sequence[int]) -> list[EngineCurve]:
     """Velocities over time and first impulses of rows of rigid beads (exact) and of Hertz beads (reference)."""
-    place = [int(np.flatnonzero(problem.recorded_beads == row)[0]) for row in rows]
+    place = [int(np.flatnonzero(problem.rows.numbers == row)[0]) for row in rows]
     rigid = collisions.run(problem)
     models: dict[str, tuple[Iterable[Trajectory], impulses.Impulses]] = {
         "rigid": (collisions.blocks(rigid), _impulses(problem, rigid)),
