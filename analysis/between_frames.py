@@ -10,14 +10,13 @@ has no second derivatives; and what the rates at the two frames leave unexplaine
 The latter shows forces that set in or jump in between, and velocities that belong to another moment than positions.
 """
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from analysis import hermite, motion
-from analysis.trajectory import Floats, Integers, Trajectory, joined
-from lammps_inputs import Problem
+from analysis.meters import Part
+from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs.facts import Fact
 
 STEP = 1e-3
@@ -41,8 +40,8 @@ LARGEST_UNCERTAINTY = 0.05
 """Share of the energy input beyond which the uncertainty of an energy leaves no statement."""
 
 
-class Pair(NamedTuple):
-    """Instants that lie between two frames of a block.
+class Pairs(NamedTuple):
+    """Instants in a part of a run, each between two frames.
 
     Attributes:
         block: the frames.
@@ -57,34 +56,28 @@ class Pair(NamedTuple):
     share: Floats
 
 
-class Instants:
-    """Finds the two frames around chosen instants in a run that is given block by block.
+def since_frames(time: Floats, every: float) -> tuple[Integers, Floats]:
+    """Number of the frame before each instant, and the share of the time to the next that has passed.
 
     Args:
-        time: [instant] in units of T; an instant that is not finite is never found.
-        problem: what was run.
+        time: [instant] in units of T; an instant that is not finite is before the run.
+        every: time between frames.
 
-    Attributes:
-        share: [instant] share of the time between its two frames that has passed.
+    Returns:
+        Two arrays, [instant].
     """
+    frames = np.where(np.isfinite(time), time, -2.0 * every) / every
+    number = np.floor(frames).astype(np.int64)
+    return number, frames - number
 
-    def __init__(self, time: Floats, problem: Problem) -> None:
-        frames = np.where(np.isfinite(time), time, -2.0 * problem.every) / problem.every
-        self._frame = np.floor(frames).astype(np.int64)
-        self.share = frames - self._frame
-        self._count = 0
-        self._last: Trajectory | None = None
 
-    def within(self, block: Trajectory) -> Iterator[Pair]:
-        """Instants since the last frame before a block, up to its own last frame; blocks come in order."""
-        first, self._count = self._count, self._count + block.frames
-        across = np.flatnonzero(self._frame == first - 1)
-        if self._last is not None and len(across):
-            yield Pair(joined([self._last, block[:1]]), across, np.zeros_like(across), self.share[across])
-        inside = np.flatnonzero((self._frame >= first) & (self._frame < self._count - 1))
-        if len(inside):
-            yield Pair(block, inside, self._frame[inside] - first, self.share[inside])
-        self._last = block.last()
+def pairs_in(part: Part, time: Floats) -> Pairs:
+    """Instants from the first frame of a part to the first of the next; ``time`` is [instant] as for `since_frames`."""
+    number, share = since_frames(time, part.around.problem.every)
+    position = number - part.start
+    last = part.count - 1 if part.is_last else part.count
+    entry = np.flatnonzero((position >= 0) & (position < last))
+    return Pairs(part.to_next, entry, position[entry], share[entry])
 
 
 def steps_from(block: Trajectory) -> tuple[float, float]:

@@ -5,12 +5,15 @@ source: in units of m V**2, from frames of all beads. The energy exchanged betwe
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from analysis import motion
+from analysis.meters import Meter, Part
 from analysis.quantity import declare, derived, result
 from analysis.trajectory import EXCHANGES, Floats, Trajectory
 from lammps_inputs import Problem, System, physics
@@ -103,43 +106,48 @@ class Account:
         return float(np.max(np.abs(self.energy_input)))
 
 
-class EnergyBudget:
-    """Adds up a run of all beads that is given block by block, with its exchange, from its first frame on."""
+@dataclass(frozen=True)
+class AccountMeter(Meter[tuple[tuple[Floats, ...], tuple[Floats, ...]], Account]):
+    """Energy budget at some frames of a run of all beads, with its exchange, and at the last.
 
-    def __init__(self, problem: Problem) -> None:
-        self._problem = problem
-        self._kicked = kinetic_energy_at_start(problem)
-        self._stride = -(-(problem.frames + 1) // MOST_INSTANTS)
-        self._frames = 0
-        self._samples: list[tuple[Floats, ...]] = []
-        self._last: tuple[Floats, ...] = ()
+    Attributes:
+        problem: what was run.
+    """
 
-    def add(self, block: Trajectory) -> tuple[Floats, Floats]:
-        """Take the next frames; energy input, and energy lost, until each of them, [frame]."""
-        exchange = block.exchange
-        assert exchange is not None
-        yielded = np.broadcast_to(physics.dissipated_by_contacts(block.system), block.frames)
-        energy_input, lost = self._kicked + exchange[:, -1], np.column_stack([exchange[:, :-1], yielded])
+    problem: Problem
 
-        def at(frames: slice) -> tuple[Floats, ...]:
-            """Time, energy input, and energies stored and dissipated at some frames, each [frame]."""
-            stored = _stored(block.system_at(frames), *(values[frames] for values in block.atoms))
-            return block.time[frames], energy_input[frames], *stored.values(), *lost[frames].T
+    def of_part(self, part: Part) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
+        """Time, energy input, and energies stored and dissipated at some frames, and at the last, each [frame]."""
+        chosen = part.every(-(-(self.problem.frames + 1) // MOST_INSTANTS))
+        return _sampled(part.frames, chosen), _sampled(part.frames, slice(-1, None))
 
-        self._samples.append(at(slice(-self._frames % self._stride, None, self._stride)))
-        self._last = at(slice(-1, None))
-        self._frames += block.frames
-        return energy_input, np.sum(lost, axis=1)
-
-    def result(self) -> Account:
-        """Energy budget of the frames so far, at some of them and at the last."""
-        time, energy_input, *parts = (np.concatenate(part) for part in zip(*self._samples, strict=True))
-        if time[-1] < self._last[0][0]:
-            time, energy_input, *parts = map(np.append, (time, energy_input, *parts), self._last)
+    def result(self, pieces: list[tuple[tuple[Floats, ...], tuple[Floats, ...]]]) -> Account:
+        """The budget at these frames, each array [instant], in units of m V**2 and T."""
+        samples, (*_, last) = zip(*pieces, strict=True)
+        time, energy_input, *parts = (np.concatenate(part) for part in zip(*samples, strict=True))
+        if time[-1] < last[0][0]:
+            time, energy_input, *parts = map(np.append, (time, energy_input, *parts), last)
         stored, lost = parts[: len(STORED)], parts[len(STORED) :]
-        names = physics.dissipation_names(self._problem.system)
+        names = physics.dissipation_names(self.problem.system)
         by_name = {name: part for name, part in zip(names, lost, strict=True) if name is not None}
         return Account(time, energy_input, **dict(zip(STORED, stored, strict=True)), dissipated=by_name)
+
+
+def _sampled(block: Trajectory, frames: slice) -> tuple[Floats, ...]:
+    """Time, energy input, and energies stored and dissipated at some frames, each [frame]."""
+    energy_input, lost = _exchanged(block)
+    stored = _stored(block.system_at(frames), *(values[frames] for values in block.atoms))
+    return block.time[frames], energy_input[frames], *stored.values(), *lost[frames].T
+
+
+def _exchanged(block: Trajectory) -> tuple[Floats, Floats]:
+    """Energy input [frame], and energy dissipated [frame, dashpots], until each frame, in units of m V**2.
+
+    Both follow from the frames' exchange, which is 0 where nothing is exchanged.
+    """
+    exchange = np.zeros((block.frames, len(EXCHANGES))) if block.exchange is None else block.exchange
+    yielded = np.broadcast_to(physics.dissipated_by_contacts(block.system), block.frames)
+    return kinetic_energy_at_start(block.problem) + exchange[:, -1], np.column_stack([exchange[:, :-1], yielded])
 
 
 STORED = ("kinetic", "contacts", "springs", "ground", "walls", "resonators")
@@ -165,7 +173,7 @@ def _stored(system: System, x: Floats, v: Floats) -> dict[str, Floats]:
 
 
 class FrameAccountant(ABC):
-    """Gives blocks of frames, from the first of a run on, the energy that they have exchanged.
+    """Gives frames the energy that they have exchanged.
 
     Attributes:
         uncertainty: of that energy, in units of m V**2, over the frames so far.
@@ -174,12 +182,13 @@ class FrameAccountant(ABC):
     uncertainty: float
 
     @abstractmethod
-    def of(self, block: Trajectory) -> Trajectory:
-        """The next frames, with their exchange."""
+    def counted(self, blocks: Iterable[Trajectory]) -> Iterator[Trajectory]:
+        """Consecutive frames of a run, from its first on, with their exchange, where they have any."""
 
 
+@dataclass(frozen=True)
 class Conservation:
-    """Largest deviation of energy and momentum from their input, over the frames seen so far.
+    """Largest deviation of energy and momentum from their input, over the frames of a run.
 
     That is the kicks', and what forces from outside have added until then.
 
@@ -188,101 +197,141 @@ class Conservation:
             not all beads are recorded, as in a window, and where the energy exchanged is unknown.
         momentum_drift: relative to the sum of the absolute momenta of kicks and forces from outside, from when these
             are over; NaN where not all beads are recorded.
-        frames: number of frames seen.
+        frames: number of frames.
         last_time: time of the last of them, in units of T.
-        budget: where the energy is; None where that is not known, and where none is exchanged.
-        front: largest number of a bead seen moving faster than 1e-3 of V; None if none was.
+        front: largest number of a bead that moves faster than 1e-3 of V in any frame; None if none does.
         participation: of the beads' energies in the last frame (`analysis.motion`); NaN where not all are recorded.
+        budget: where the energy is; None where that is not known, and where none is exchanged.
     """
 
-    def __init__(self, counted: Callable[[Trajectory], Trajectory] | None = None) -> None:
-        """Begin; ``counted`` gives frames their exchange where they were computed without."""
-        self._counted = counted
-        self.energy_drift = 0.0
-        self.momentum_drift = 0.0
-        self.frames = 0
-        self.last_time = 0.0
-        self.front: int | None = None
-        self.budget: EnergyBudget | None = None
-        self.participation = float("nan")
-        self._energy_input = self._missing = 0.0
+    energy_drift: float
+    momentum_drift: float
+    frames: int
+    last_time: float
+    front: int | None
+    participation: float
+    budget: Account | None
 
-    def add(self, block: Trajectory) -> None:
-        """Take more frames into account."""
-        problem = block.problem
-        system = problem.system
-        self.frames += block.frames
-        self.last_time = float(block.time[-1])
-        velocity = block.velocity
-        passed = np.flatnonzero(np.any(np.abs(velocity) > 1e-3, axis=(0, 1)))
-        if len(passed):
-            self.front = max(self.front or 0, int(block.beads[passed[-1]]))
-        if not problem.rows.complete:
-            self.energy_drift = self.momentum_drift = float("nan")
-            return
-        # all beads, for the order in which a sum is taken must not depend on which of them move in this block
-        atoms = block.atoms
-        energy = motion.energy(block.system, *atoms)
-        momentum = motion.momentum(system, atoms[1])
-        self.participation = motion.participation(
-            motion.bead_energy(block.system_at(-1), block.displacement[-1], velocity[-1])
-        )
-        if not system.dampers and not system.holds(Fact.ENERGY) and system.holds(Fact.FRAMES):
-            energy[:] = np.nan
+
+class _Drifts(NamedTuple):
+    """Largest deviations in a part of a run, and what a `Conservation` has beside.
+
+    Attributes:
+        energy: deviation of the energy, in units of m V**2 where there is a budget, else relative.
+        energy_input: largest energy input, in units of m V**2.
+        momentum: relative deviation of the momentum.
+        budget: what the energy budget takes from the part; None where there is none.
+    """
+
+    energy: float
+    energy_input: float
+    momentum: float
+    frames: int
+    last_time: float
+    front: int
+    participation: float
+    budget: tuple[tuple[Floats, ...], tuple[Floats, ...]] | None
+
+
+@dataclass(frozen=True)
+class ConservationMeter(Meter[_Drifts, Conservation]):
+    """Conservation of energy and momentum in frames that have their exchange, where energy is exchanged.
+
+    Attributes:
+        problem: what was run.
+    """
+
+    problem: Problem
+
+    @cached_property
+    def _balanced(self) -> bool:
+        """Whether the energy is compared with the input less the dissipated energy, by an energy budget."""
+        system = self.problem.system
         further = physics.lines(system) > system.chains
-        balanced = physics.exchanges(system) or not system.holds(Fact.FRAMES) or further
-        if balanced:
-            self._balanced(block, energy)
-        if not system.holds(Fact.MOMENTUM):
-            momentum[:] = np.nan
-        if physics.acted_on(system):
-            self._pushed(block, momentum)
-            return
-        # np.maximum, unlike max(), lets NaN through
-        if not balanced:
-            change = np.max(np.abs(energy / physics.energy(system) - 1.0))
-            self.energy_drift = float(np.maximum(self.energy_drift, change))
-        change = np.max(np.abs(momentum - physics.momentum(system))) / physics.kick_momenta(system)
-        self.momentum_drift = float(np.maximum(self.momentum_drift, change))
+        return physics.exchanges(system) or not system.holds(Fact.FRAMES) or further
 
-    def _balanced(self, block: Trajectory, energy: Floats) -> None:
-        """Compare the energy with the input less the dissipated energy, where forces from outside or dashpots act."""
-        if block.exchange is None and not physics.exchanges(block.problem.system):
-            block = replace(block, exchange=np.zeros((block.frames, len(EXCHANGES))))
-        if block.exchange is None and self._counted is not None:
-            block = self._counted(block)
-        if block.exchange is None:
-            self.energy_drift = float("nan")
-            return
-        self.budget = self.budget or EnergyBudget(block.problem)
-        energy_input, lost = self.budget.add(block)
-        self._energy_input = max(self._energy_input, float(np.max(np.abs(energy_input))))
-        self._missing = float(np.maximum(self._missing, np.max(np.abs(energy + lost - energy_input))))
-        if self._missing == 0.0:
-            self.energy_drift = 0.0
-        else:  # beads may be displaced before anything has pushed them
-            self.energy_drift = self._missing / self._energy_input if self._energy_input else np.inf
+    def _accounted(self, block: Trajectory) -> bool:
+        """Whether frames have an energy budget: the energy that is exchanged is known, and that may be none."""
+        return self._balanced and (block.exchange is not None or not physics.exchanges(self.problem.system))
 
-    def _pushed(self, block: Trajectory, momentum: Floats) -> None:
-        """Compare the momentum with that of the kicks and the impulse of forces from outside, where these act."""
-        problem = block.problem
-        system = problem.system
+    def of_part(self, part: Part) -> _Drifts:
+        """Deviations in the frames of a part."""
+        block = part.frames
+        passed = block.beads[np.any(np.abs(block.velocity) > 1e-3, axis=(0, 1))]
+        drifts = _Drifts(
+            energy=np.nan,
+            energy_input=np.nan,
+            momentum=np.nan,
+            frames=block.frames,
+            last_time=float(block.time[-1]),
+            front=int(passed.max(initial=0)),
+            participation=np.nan,
+            budget=None,
+        )
+        if not self.problem.rows.complete:
+            return drifts
+        # all beads, for the order in which a sum is taken must not depend on which of them move in this part
+        atoms = block.atoms
+        energy, energy_input = self._energy(block, motion.energy(block.system, *atoms))
+        bead_energy = motion.bead_energy(block.system_at(-1), block.displacement[-1], block.velocity[-1])
+        return drifts._replace(
+            energy=energy,
+            energy_input=energy_input,
+            momentum=self._momentum(block, motion.momentum(self.problem.system, atoms[1])),
+            participation=motion.participation(bead_energy),
+            budget=AccountMeter(self.problem).of_part(part) if self._accounted(block) else None,
+        )
+
+    def result(self, pieces: list[_Drifts]) -> Conservation:
+        """Deviations in all frames."""
+        # np.max, unlike max(), lets NaN through
+        energy, energy_input, momentum = np.max([piece[:3] for piece in pieces], axis=0).tolist()
+        if self._balanced and energy != 0.0:
+            # beads may be displaced before anything has pushed them
+            energy = energy / energy_input if energy_input else np.inf
+        budgets = [piece.budget for piece in pieces if piece.budget is not None]
+        return Conservation(
+            energy_drift=energy,
+            momentum_drift=momentum,
+            frames=sum(piece.frames for piece in pieces),
+            last_time=pieces[-1].last_time,
+            front=max(piece.front for piece in pieces) or None,
+            participation=pieces[-1].participation,
+            budget=AccountMeter(self.problem).result(budgets) if budgets else None,
+        )
+
+    def _energy(self, block: Trajectory, energy: Floats) -> tuple[float, float]:
+        """Largest deviation of the energy [frame], and largest energy input."""
+        system = self.problem.system
+        if not system.dampers and not system.holds(Fact.ENERGY) and system.holds(Fact.FRAMES):
+            energy = np.full_like(energy, np.nan)
+        if not self._balanced:
+            return float(np.max(np.abs(energy / physics.energy(system) - 1.0))), np.nan
+        if not self._accounted(block):
+            return np.nan, np.nan
+        energy_input, lost = _exchanged(block)
+        missing = energy + np.sum(lost, axis=1) - energy_input
+        return float(np.max(np.abs(missing))), float(np.max(np.abs(energy_input)))
+
+    def _momentum(self, block: Trajectory, momentum: Floats) -> float:
+        """Largest deviation of the momentum [frame] from that of the kicks and the impulse of forces from outside."""
+        system = self.problem.system
         if not system.holds(Fact.MOMENTUM):
-            self.momentum_drift = float("nan")
-            return
+            return np.nan
+        missing = np.abs(momentum - physics.momentum(system))
+        if not physics.acted_on(system):
+            return float(np.max(missing) / physics.kick_momenta(system))
         size = physics.kick_momenta(system) + sum(load.law.total for load in system.loads)
         # in the velocity of a bead that is pushed LAMMPS has half a step of the mean of the force
-        half = 0.5 * problem.timestep
+        half = 0.5 * self.problem.timestep
         over = block.time > max(load.end for load in system.loads) + half * (1.0 + 1e-6)
-        missing = np.abs(momentum - physics.momentum(system) - _impulse(problem, block.time))
+        missing = np.abs(momentum - physics.momentum(system) - self._impulse(block.time))
         if physics.driven(system):
-            halfway = 0.5 * (_impulse(problem, block.time - half) + _impulse(problem, block.time + half))
+            halfway = 0.5 * (self._impulse(block.time - half) + self._impulse(block.time + half))
             missing = np.minimum(missing, np.abs(momentum - physics.momentum(system) - halfway))
             over = block.time > 0.0
-        largest = float(np.max(missing[over], initial=0.0))
-        self.momentum_drift = float(np.maximum(self.momentum_drift, largest / size))
+        return float(np.max(missing[over], initial=0.0) / size)
 
-
-def _impulse(problem: Problem, time: Floats) -> Floats:
-    """Impulse by all forces from outside until a time."""
-    return np.asarray(sum(load.impulse(time) for load in problem.system.loads))
+    def _impulse(self, time: Floats) -> Floats:
+        """Impulse by all forces from outside until a time."""
+        return np.asarray(sum(load.impulse(time) for load in self.problem.system.loads))

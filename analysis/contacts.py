@@ -1,11 +1,13 @@
 """The largest overlap of contacts that the frames of a run show."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from analysis import motion
-from analysis.trajectory import Floats, Trajectory
+from analysis.meters import Meter, Part
+from analysis.trajectory import Floats
 from lammps_inputs import Problem, laws, physics
 
 FARTHEST = 0.25
@@ -27,39 +29,61 @@ def shown_by_frames(problem: Problem) -> bool:
     return problem.forces_known and problem.every <= FARTHEST * quicker * (1.0 + 1e-9)
 
 
+@dataclass(frozen=True)
 class LargestOverlap:
-    """Collects the largest overlaps in a run that is given block by block, with all beads recorded.
+    """The largest overlaps that some frames show.
 
     Attributes:
-        value: largest overlap so far, in units of L; negative where none has touched, -inf before the first frame.
-        each: largest overlap of every contact so far, [chain, contact], where beads differ; else None.
-        walls: largest overlap of the contacts with each wall so far, [chain], in the order of `physics.walls`.
+        value: largest overlap of any contact, in units of L; negative where none has touched, -inf where nothing moves.
+        each: largest overlap of every contact, [chain, contact], where beads differ; else None.
+        walls: largest overlap of the contacts with each wall, [wall, chain], in the order of `physics.walls`.
     """
 
-    def __init__(self) -> None:
-        self.value = -math.inf
-        self.each: Floats | None = None
-        self.walls: list[Floats] = []
+    value: float
+    each: Floats | None
+    walls: Floats
 
-    def add(self, block: Trajectory) -> None:
-        """Take more frames into account."""
-        problem = block.problem
-        system = problem.system
-        walls = physics.walls(system)
-        if not self.walls:
-            self.walls = [np.full(problem.chains, -math.inf) for _ in walls]
-        for largest, link in zip(self.walls, walls, strict=True):
+
+@dataclass(frozen=True)
+class OverlapMeter(Meter[LargestOverlap, LargestOverlap]):
+    """Largest overlaps in a run of all beads.
+
+    Attributes:
+        problem: what was run.
+    """
+
+    problem: Problem
+
+    def of_part(self, part: Part) -> LargestOverlap:
+        """The largest in the frames of a part."""
+        block, problem = part.frames, self.problem
+        system, walls = problem.system, physics.walls(problem.system)
+        at_walls = np.empty((len(walls), problem.chains))
+        for largest, link in zip(at_walls, walls, strict=True):
             place = problem.beads - 1 if link.side > 0.0 else 0
             law = laws.at(link.law, np.arange(problem.chains), place)
             strain = np.max(link.side * block.displacement[..., place], axis=0)
-            np.maximum(largest, strain - link.gap + laws.rest(law), out=largest)
+            largest[:] = strain - link.gap + laws.rest(law)
         moving = slice(0, problem.beads) if physics.loaded(system) else block.moving  # beads at rest touch, or overlap
         x = block.displacement[..., moving]
-        if not physics.one_kind(system) and self.each is None:
-            self.each = np.full((problem.chains, problem.beads - 1), -math.inf)
-        if x.shape[-1] > 1:
-            overlaps = motion.overlaps(system, x, moving.start + 1)
-            self.value = float(np.maximum(self.value, np.max(overlaps)))
-            if self.each is not None:
-                of_moving = self.each[:, moving.start : moving.start + overlaps.shape[-1]]
-                np.maximum(of_moving, np.max(overlaps, axis=0), out=of_moving)
+        each = None if physics.one_kind(system) else np.full((problem.chains, problem.beads - 1), -math.inf)
+        if x.shape[-1] < 2:
+            return LargestOverlap(-math.inf, each, at_walls)
+        overlaps = motion.overlaps(system, x, moving.start + 1)
+        if each is not None:
+            each[:, moving.start : moving.start + overlaps.shape[-1]] = np.max(overlaps, axis=0)
+        return LargestOverlap(float(np.max(overlaps)), each, at_walls)
+
+    def result(self, pieces: list[LargestOverlap]) -> LargestOverlap:
+        """The largest in all frames."""
+        each = [piece.each for piece in pieces if piece.each is not None]
+        return LargestOverlap(
+            max(piece.value for piece in pieces),
+            np.max(each, axis=0) if each else None,
+            np.max([piece.walls for piece in pieces], axis=0),
+        )
+
+
+def overlap_meter(problem: Problem) -> OverlapMeter | None:
+    """A meter of the largest overlaps; None where the frames do not show them."""
+    return OverlapMeter(problem) if shown_by_frames(problem) else None

@@ -110,3 +110,29 @@ def change(state: Callable[[Floats], Flags], before: Flags | np.bool_, low: Floa
         same = state(middle) == before
         low, high = np.where(same, middle, low), np.where(same, high, middle)
     return 0.5 * (low + high)
+
+
+def first_fall(above: Floats, time: Floats, shift: int = 0) -> tuple[Floats, Floats]:
+    """Time when samples first fall through zero after time 0, and the size of their slope then, [series]; else NaN.
+
+    Args:
+        above: [series, sample] the values; they fall through zero between the middle two of six samples, through which
+            a polynomial goes.
+        time: [series, sample] evenly spaced.
+        shift: number of samples by which these six are later.
+    """
+    nodes = (0, 1, 2, 3, 4, 5)
+    row, size = np.arange(len(above)), above.shape[1]
+    fallen = (time > 0.0) & (above <= 0.0)
+    if size < len(nodes):
+        return np.full(len(above), np.nan), np.full(len(above), np.nan)
+    first = np.where(np.any(fallen, axis=1), np.argmax(fallen, axis=1), 0)
+    start = np.clip(first - 3 + shift, 0, size - len(nodes))
+    data = np.array([above[row, start + node] for node in nodes])[:, np.newaxis]
+    step = time[row, start + 1] - time[row, start]
+    low = np.maximum((first - 1 - start).astype(float), -time[row, start] / step)
+    polynomials = coefficients(nodes, data, 1.0)
+    at = falling_zero(polynomials, low, (first - start).astype(float))
+    slope = np.abs(value(derivative(polynomials), at)) / step
+    falls = np.any(fallen, axis=1) & np.all(np.isfinite(data[:, 0]), axis=0)
+    return np.where(falls, time[row, start] + at * step, np.nan), np.where(falls & (slope > 0.0), slope, np.nan)

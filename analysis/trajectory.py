@@ -10,7 +10,7 @@ Examples:
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -456,37 +456,3 @@ def mirrored(block: Trajectory) -> Trajectory:
         contact_state=None if block.contact_state is None else block.contact_state[..., ::-1],
         further_lines=None if block.further_lines is None else -block.further_lines[..., ::-1],
     )
-
-
-# --- watchers ---------------------------------------------------------------------------------------------------------
-
-
-class Watcher(Protocol):
-    """Anything that is shown a run block by block."""
-
-    def add(self, block: Trajectory, /) -> None:
-        """Take the next frames."""
-
-
-AnyWatcher = TypeVar("AnyWatcher", bound=Watcher)
-
-
-def watch(watcher: AnyWatcher, blocks: Iterable[Trajectory]) -> AnyWatcher:
-    """Show a run to a watcher, block by block.
-
-    Args:
-        watcher: object whose ``add(block)`` takes the next frames, such as a meter or a finder.
-        blocks: consecutive frames.
-
-    Returns:
-        The watcher.
-
-    Examples:
-        >>> frames = engine.run(granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem())
-        >>> passages = watch(peaks.PeakFinder(first_only=True), frames.blocks()).result()
-        >>> passages.velocity[17:].round(3)  # first maximum of each bead, in units of V
-        array([0.682, 0.682, 0.986])
-    """
-    for block in blocks:
-        watcher.add(block)
-    return watcher

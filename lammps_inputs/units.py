@@ -120,7 +120,7 @@ class Label:
     def plain(self) -> str:
         """Text without TeX, for HTML pages: ``time t (ms)``, ``amplitude v / V``, ``coupling stiffness k (N/m)``."""
         symbol = re.sub(r"\\([A-Za-z]+) ?", lambda name: _GREEK.get(name[1], ""), self.symbol)
-        return self._text("", symbol.replace("{", "").replace("}", ""), self.unit)
+        return self._text("", re.sub(r"[{}]", "", symbol), re.sub(r"[${}]", "", self.unit))
 
     def _text(self, mark: str, symbol: str, unit: str) -> str:
         """Words, symbol and unit; the mark encloses mathematics."""

@@ -116,7 +116,7 @@ def draw_only(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
         def write(directory: Path, name: str, figure: Any) -> tuple[Path, ...]:
             return write_figure(directory, name, figure) if name == wanted else (directory / f"{name}.png",)
 
-        monkeypatch.setattr("workflow.verdicts.analyse.write_figure", write)
+        monkeypatch.setattr("workflow.verdicts.analysis_files.write_figure", write)
 
     return only
 

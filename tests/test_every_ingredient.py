@@ -13,7 +13,7 @@ from plain_scene import goes_on_bit_for_bit
 from stock_lammps import run as run_deck
 from wrong_runs import deck_run, substituted, without_uncertainties
 
-from analysis.conservation import Conservation
+from analysis.conservation import ConservationMeter
 from analysis.trajectory import mirrored_problem
 from lammps_inputs import laws, physics
 from lammps_inputs.decks import continuation, deck
@@ -22,7 +22,7 @@ from lammps_inputs.ingredients.registry import INGREDIENTS
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
 from workflow.runs.run import run
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -168,9 +168,9 @@ def test_energy_and_momentum_are_balanced(name, done):
 @pytest.mark.parametrize("name", marked(name for name in CASES if "damping" in CASES[name]))
 def test_the_budget_of_the_reference_closes_to_1e_9_with_every_dashpot(name):
     # forces of linear contacts have a kink where they open, which leaves an error of second order
-    steps, seen = 800 if 1.0 in np.ravel(CASES[name].get("contact", {}).get("exponent", 1.5)) else 200, Conservation()
-    for block in engine.blocks(scene(name).problem(), steps_per_frame=steps):
-        seen.add(block)
+    steps = 800 if 1.0 in np.ravel(CASES[name].get("contact", {}).get("exponent", 1.5)) else 200
+    problem = scene(name).problem()
+    seen = ConservationMeter(problem).read(engine.blocks(problem, steps_per_frame=steps))
     assert seen.energy_drift < 1e-9
 
 

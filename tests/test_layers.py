@@ -16,7 +16,7 @@ from workflow import lazy_names
 ROOT = Path(__file__).parents[1]
 PLUG_INS = ROOT / "workflow" / "plugins"
 FACES = ("granchain", "granchain.parts")
-MOST_NAMES = 123
+MOST_NAMES = 124
 """Names of the core that all plug-ins and the template package together may take."""
 BELOW = {
     "lammps_inputs": set(),

@@ -10,9 +10,9 @@ from gallery import FOLDER, INCHES, PICTURES, small
 from PIL import Image
 from synthetic_waves import reference
 
-from analysis.figures.spacetime import SpaceTime, spacetime_figure
+from analysis.figures.drawing import draw
+from analysis.figures.spacetime import space_time_meter, spacetime_sheet
 from analysis.figures.style import picture
-from analysis.trajectory import watch
 from lammps_inputs import installed_scenes
 from workflow.formats import written_as
 
@@ -30,7 +30,7 @@ def test_every_picture_is_drawn_by_the_script_and_small():
 def test_bars_of_colours_have_the_colours_of_the_figure():
     trajectory = reference(1, 0.0, 12, 12.0)
     with written_as(("png",), INCHES[0]):
-        figure = spacetime_figure(watch(SpaceTime(trajectory.problem), [trajectory]))
+        figure = draw(spacetime_sheet(space_time_meter(trajectory.problem).read([trajectory])))
         drawn = Image.open(io.BytesIO(picture(figure, "png", 200))).convert("RGB")
     written = small(drawn, figure)
     assert written.mode == "P"

@@ -1,11 +1,13 @@
 """Two trajectories at the same times: pairs of blocks of the same frames, or states interpolated between frames."""
 
+import itertools
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from analysis import hermite
+from analysis.meters import Part, parts_of
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, Problem
 
@@ -14,12 +16,12 @@ class OtherFramesError(InputError):
     """Two trajectories that do not have the same beads and times."""
 
 
-def on_common_rows(*blocks: Trajectory) -> tuple[Trajectory, ...]:
-    """Trajectories at the rows that all of them hold, where windows follow the pulse; else unchanged."""
-    if not blocks[0].problem.rows.follow:
-        return blocks
-    first, last = max(int(block.beads[0]) for block in blocks), min(int(block.beads[-1]) for block in blocks)
-    return tuple(block.on(first, last) for block in blocks)
+def on_common_rows(first: Trajectory, second: Trajectory) -> tuple[Trajectory, Trajectory]:
+    """Trajectories at the rows that both hold, where windows follow the pulse; else unchanged."""
+    if not first.problem.rows.follow:
+        return first, second
+    rows = max(int(first.beads[0]), int(second.beads[0])), min(int(first.beads[-1]), int(second.beads[-1]))
+    return first.on(*rows), second.on(*rows)
 
 
 def near_the_front(block: Trajectory) -> Trajectory:
@@ -94,6 +96,19 @@ def paired(first: Iterable[Trajectory], second: Iterable[Trajectory]) -> Iterato
         if a.displacement.shape != b.displacement.shape or not np.array_equal(a.beads, b.beads):
             raise OtherFramesError("the two trajectories have different beads")
         yield a, b
+
+
+def paired_parts(pairs: Iterable[tuple[Trajectory, Trajectory]]) -> Iterator[tuple[Part, Part]]:
+    """Parts of two runs with the same times.
+
+    Args:
+        pairs: consecutive frames of both, such as those of `paired`: two blocks with the same times and beads.
+
+    Yields:
+        A part of the first run, and that of the second one.
+    """
+    first, second = itertools.tee(pairs)
+    return zip(parts_of(block for block, _ in first), parts_of(block for _, block in second), strict=True)
 
 
 def simultaneous(first: Iterable[Trajectory], second: Iterable[Trajectory]) -> Iterator[tuple[Trajectory, Trajectory]]:

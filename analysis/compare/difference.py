@@ -13,15 +13,18 @@ Examples:
 """
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from analysis.compare.common_times import of_common_atoms, paired
-from analysis.conservation import Conservation
-from analysis.tracking.leading_waves import leading_finder, leading_passages
-from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks, sharp
+from analysis.compare.common_times import of_common_atoms, paired, paired_parts
+from analysis.conservation import ConservationMeter
+from analysis.meters import Part
+from analysis.tracking.leading_waves import leading_meter, leading_passages
+from analysis.tracking.peak_bounds import Brackets
+from analysis.tracking.peaks import THRESHOLD, Peaks, sharp
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem
 from lammps_inputs.facts import Fact
@@ -132,33 +135,49 @@ def deviation_of(
     return Deviation(float(size.max()), rms, place(int(np.argmax(size))), first)
 
 
-@dataclass
-class _Running:
-    """Largest difference, mean square and first excess over the tolerance of one quantity, over blocks."""
+class _Differences(NamedTuple):
+    """Differences of one quantity in a part of a run.
 
-    tolerance: float
-    largest: float = 0.0
-    squares: float = 0.0
-    count: int = 0
-    where: DeviationPlace | None = None
-    first: DeviationPlace | None = None
+    Attributes:
+        largest: its largest size; NaN counts as the largest.
+        where: place of that; None where nothing differs.
+        first: first place, in time, where the tolerance is exceeded; None if it never is.
+        squares: sum of the squares in each frame, [frame].
+        values: number of differences.
+    """
 
-    def add(self, block: Trajectory, difference: Floats) -> None:
-        """Take the differences [frame, line, bead] of the next frames."""
+    largest: float
+    where: DeviationPlace | None
+    first: DeviationPlace | None
+    squares: Floats
+    values: int
+
+    @classmethod
+    def of(cls, block: Trajectory, difference: Floats, tolerance: float) -> "_Differences":
+        """Those of all atoms, [frame, line, bead]."""
         size = np.abs(difference)
         worst = int(np.argmax(size))
-        if not (size.flat[worst] <= self.largest or np.isnan(self.largest)):  # NaN counts as largest
-            self.largest = float(size.flat[worst])
-            self.where = _place(block, worst, size.shape)
-        for square in np.sum(difference * difference, axis=(1, 2)).tolist():  # the order does not depend on blocks
-            self.squares += square
-        self.count += difference.size
-        if self.first is None and not self.largest <= self.tolerance:
-            exceeding = ~(size <= self.tolerance)
-            self.first = _place(block, int(np.argmax(exceeding)), size.shape)
+        largest = float(size.flat[worst])
+        exceeded = not largest <= tolerance
+        return cls(
+            largest=largest,
+            where=None if largest == 0.0 else _place(block, worst, size.shape),
+            first=_place(block, int(np.argmax(~(size <= tolerance))), size.shape) if exceeded else None,
+            squares=np.sum(difference * difference, axis=(1, 2)),
+            values=difference.size,
+        )
 
-    def result(self) -> Deviation:
-        return Deviation(self.largest, float(np.sqrt(self.squares / max(1, self.count))), self.where, self.first)
+
+def _together(pieces: tuple[_Differences, ...]) -> Deviation:
+    """Deviation of one quantity, by its differences in all parts of a run."""
+    worst = pieces[int(np.argmax([piece.largest for piece in pieces]))]
+    squares = np.sum(np.concatenate([piece.squares for piece in pieces]))
+    return Deviation(
+        largest=worst.largest,
+        rms=float(np.sqrt(squares / sum(piece.values for piece in pieces))),
+        where=worst.where,
+        first=next((piece.first for piece in pieces if piece.first is not None), None),
+    )
 
 
 def _place(block: Trajectory, position: int, shape: tuple[int, ...]) -> DeviationPlace:
@@ -168,102 +187,165 @@ def _place(block: Trajectory, position: int, shape: tuple[int, ...]) -> Deviatio
     return DeviationPlace(chain + 1, int(block.beads[bead]), float(block.time[frame]), resonator)
 
 
-class Difference:
-    """Accumulates the difference of two trajectories over pairs of blocks; `deviations` says how far apart they are.
+class _Compared(NamedTuple):
+    """What a comparison takes from a part of each of two runs.
 
-    Args:
-        tolerances: quantity -> largest difference that is let pass, dimensionless; the keys are `QUANTITIES`.
-        counted: gives frames of the first their exchange; see `analysis.conservation.Conservation`.
+    Attributes:
+        problem: of the frames of the first run.
+        velocity, displacement: differences.
+        peaks, reference_peaks: brackets of the leading maxima.
+        conservation: what the conservation of the first run follows from.
+        cells: time of the first frame of each cell of the map of errors, [cell], and the cells' errors, [cell, bead
+            cell].
     """
 
-    def __init__(self, tolerances: dict[str, float], counted: Callable[[Trajectory], Trajectory] | None = None) -> None:
-        self.tolerances = tolerances
-        self.conservation = Conservation(counted)
-        self.frames = 0
-        self._velocity, self._displacement = (_Running(tolerances[name]) for name in ("velocity", "displacement"))
-        self._peaks: tuple[PeakFinder, PeakFinder] | None = None
-        self._map: list[Floats] = []
-        self._times: list[float] = []
-        self._last_time, self._cell_beads = 0.0, np.zeros(0, dtype=np.int64)
-        self._problem: Problem | None = None
+    problem: Problem
+    velocity: _Differences
+    displacement: _Differences
+    peaks: Brackets
+    reference_peaks: Brackets
+    conservation: Any
+    cells: tuple[Floats, Floats]
 
-    def add(self, block: Trajectory, reference: Trajectory) -> None:
-        """Take the next frames of both, at the same times."""
+
+@dataclass(frozen=True)
+class Difference:
+    """Difference of two runs.
+
+    Attributes:
+        deviations: deviation of every quantity in `QUANTITIES`; amplitudes and arrivals are the leading pulse's, and
+            are left out where no passage was found in both, or no pulse leads (`Fact.PULSE`). Energy is the difference
+            of the budget where dashpots dissipate energy, or forces from outside do work.
+        error_map: differences of the velocities in cells of some frames by some beads.
+        frames: number of frames.
+        last_time: time of the last of them, in units of T.
+    """
+
+    deviations: dict[str, Deviation]
+    error_map: "ErrorMap"
+    frames: int
+    last_time: float
+
+
+@dataclass(frozen=True)
+class DifferenceMeter:
+    """Difference of two runs, by pairs of parts with the same times and beads.
+
+    Frames of the first run have their exchange where their energy budget is wanted.
+
+    Attributes:
+        tolerances: quantity -> largest difference that is let pass, dimensionless; the keys are `QUANTITIES`.
+    """
+
+    tolerances: dict[str, float]
+
+    def of_parts(self, part: Part, reference: Part, earlier: Sequence[_Compared] = ()) -> _Compared:
+        """Differences in a part of the run from the same part of the reference.
+
+        Beads whose first maxima are in ``earlier`` pieces are not searched for any more, which saves time.
+        """
+        block, problem = part.frames, part.around.problem
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
-            (x, v), (right_x, right_v) = of_common_atoms(block, reference)
+            (x, v), (right_x, right_v) = of_common_atoms(block, reference.frames)
             difference = v - right_v
-            self._velocity.add(block, difference)
-            self._displacement.add(block, x - right_x)
-            if self._peaks is None:
-                self._peaks = leading_finder(block.problem), leading_finder(reference.problem)
-            for finder, frames in zip(self._peaks, (block, reference), strict=True):
-                finder.add(frames)
-            self.conservation.add(block)
-        self.frames += block.frames
-        self._problem = block.problem
-        self._add_to_map(block, difference)
+            return _Compared(
+                problem,
+                _Differences.of(block, difference, self.tolerances["velocity"]),
+                _Differences.of(block, x - right_x, self.tolerances["displacement"]),
+                leading_meter(problem).of_part(part, [piece.peaks for piece in earlier]),
+                leading_meter(reference.around.problem).of_part(
+                    reference, [piece.reference_peaks for piece in earlier]
+                ),
+                ConservationMeter(problem).of_part(part),
+                _cells(block, difference),
+            )
 
-    def _add_to_map(self, block: Trajectory, difference: Floats) -> None:
-        """Add largest |velocity difference| [frame, line, bead] of rows to a map of some hundred cells a side."""
-        frames_a_cell = max(1, -(-(block.problem.frames + 1) // MAP_CELLS))
-        beads = block.problem.rows.numbers
-        thin = max(1, -(-len(beads) // MAP_CELLS))
-        size = np.full((block.frames, len(beads)), np.nan)
-        size[:, block.first - 1 : block.first - 1 + difference.shape[2]] = np.abs(difference).max(axis=1)
-        for start in range(0, len(size), frames_a_cell):
-            row = size[start : start + frames_a_cell].max(axis=0)
-            self._map.append(np.fmax.reduceat(row, np.arange(0, len(row), thin)))
-            self._times.append(float(block.time[start]))
-        self._last_time, self._cell_beads = float(block.time[-1]), np.append(beads[::thin], beads[-1] + 1)
-
-    def deviations(self) -> dict[str, Deviation]:
-        """Deviation of every quantity in `QUANTITIES`; amplitudes and arrivals are the leading pulse's.
-
-        The latter two are left out where no passage was found in both, or no pulse leads (`Fact.PULSE`). Energy is the
-        difference of the budget where dashpots dissipate energy, or forces from outside do work.
-
-        Returns:
-            Quantity -> its deviation.
+    def result(self, pieces: list[_Compared]) -> Difference:
+        """Difference of the runs.
 
         Raises:
             ValueError: there was no frame.
         """
-        problem = self._problem
-        if problem is None or self._peaks is None:
+        if not pieces:
             raise ValueError("no frames to compare")
-        system = problem.system
+        (problem, *_), velocity, displacement, peaks, reference_peaks, drifts, cells = zip(*pieces, strict=True)
+        conservation, system = ConservationMeter(problem).result(list(drifts)), problem.system
+        deviations = {"velocity": _together(velocity), "displacement": _together(displacement)}
+        if system.holds(Fact.PULSE):
+            deviations |= self._of_peaks(problem, list(peaks), list(reference_peaks))
+        if problem.rows.complete and (system.holds(Fact.ENERGY) or system.dampers):
+            deviations["energy"] = Deviation(conservation.energy_drift, math.nan)
+        if problem.rows.complete and system.holds(Fact.MOMENTUM):
+            deviations["momentum"] = Deviation(conservation.momentum_drift, math.nan)
+        error_map = _error_map(problem, cells, conservation.last_time)
+        return Difference(deviations, error_map, conservation.frames, conservation.last_time)
+
+    def _of_peaks(self, problem: Problem, *brackets: list[Brackets]) -> dict[str, Deviation]:
+        """Deviations of peak velocities and arrivals, by brackets in both runs, where a passage was found in both."""
+        deviations = {}
         with np.errstate(over="ignore", invalid="ignore"):
-            passages, right = (leading_passages(finder.result(), problem).first() for finder in self._peaks)
+            passages, right = (
+                leading_passages(leading_meter(problem).result(of_run), problem).first() for of_run in brackets
+            )
             passages, right = matched(passages, right, problem.beads)
         timed = sharp(right)
-        result = {"velocity": self._velocity.result(), "displacement": self._displacement.result()}
-        leads = system.holds(Fact.PULSE)
-        if len(passages) and leads:
-            result["amplitude"] = self._of_peaks("amplitude", passages.velocity - right.velocity, right)
-        if np.any(timed) and leads:
-            result["arrival"] = self._of_peaks("arrival", (passages.time - right.time)[timed], right.where(timed))
-        if problem.rows.complete and (system.holds(Fact.ENERGY) or system.dampers):
-            result["energy"] = Deviation(self.conservation.energy_drift, math.nan)
-        if problem.rows.complete and system.holds(Fact.MOMENTUM):
-            result["momentum"] = Deviation(self.conservation.momentum_drift, math.nan)
-        return result
+        if len(passages):
+            deviations["amplitude"] = self._at_peaks("amplitude", passages.velocity - right.velocity, right)
+        if np.any(timed):
+            deviations["arrival"] = self._at_peaks("arrival", (passages.time - right.time)[timed], right.where(timed))
+        return deviations
 
-    def _of_peaks(self, name: str, difference: Floats, peaks: Peaks) -> Deviation:
+    def _at_peaks(self, name: str, difference: Floats, peaks: Peaks) -> Deviation:
         def place(k: int) -> DeviationPlace:
             return DeviationPlace(int(peaks.chain[k]), int(peaks.bead[k]), float(peaks.time[k]))
 
         return deviation_of(difference, peaks.time, self.tolerances[name], place)
 
-    @property
-    def error_map(self) -> "ErrorMap":
-        """Differences of the velocities in cells of some frames by some beads."""
-        times = np.array([*self._times, self._last_time])
-        each = self._problem is None or len(self._problem.rows.numbers) <= MAP_CELLS
-        return ErrorMap(times, self._cell_beads, np.array(self._map), each)
+    def read(self, pairs: Iterable[tuple[Part, Part]]) -> Difference:
+        """Difference of two runs that are given as pairs of parts.
+
+        Raises:
+            ValueError: there was no frame.
+        """
+        pieces: list[_Compared] = []
+        for pair in pairs:
+            pieces.append(self.of_parts(*pair, pieces))
+        return self.result(pieces)
+
+
+def _beads_a_cell(problem: Problem) -> int:
+    return max(1, -(-len(problem.rows.numbers) // MAP_CELLS))
+
+
+def _cells(block: Trajectory, difference: Floats) -> tuple[Floats, Floats]:
+    """Largest |velocity difference| [frame, line, bead] of rows in a map of some hundred cells a side.
+
+    Returns:
+        Time of the first frame of each cell, [cell]; the largest difference in each, [cell, bead cell].
+    """
+    frames_a_cell = max(1, -(-(block.problem.frames + 1) // MAP_CELLS))
+    beads = len(block.problem.rows.numbers)
+    size = np.full((block.frames, beads), np.nan)
+    size[:, block.first - 1 : block.first - 1 + difference.shape[2]] = np.abs(difference).max(axis=1)
+    rows = np.maximum.reduceat(size, np.arange(0, block.frames, frames_a_cell), axis=0)
+    cells = np.fmax.reduceat(rows, np.arange(0, beads, _beads_a_cell(block.problem)), axis=1)
+    return block.time[::frames_a_cell], cells
+
+
+def _error_map(problem: Problem, cells: tuple[tuple[Floats, Floats], ...], last_time: float) -> "ErrorMap":
+    """Map of the cells of all parts."""
+    beads = problem.rows.numbers
+    times, sizes = zip(*cells, strict=True)
+    return ErrorMap(
+        time=np.array([*np.concatenate(times), last_time]),
+        bead=np.append(beads[:: _beads_a_cell(problem)], beads[-1] + 1),
+        velocity=np.concatenate(sizes),
+        each=len(beads) <= MAP_CELLS,
+    )
 
 
 def errors_of(blocks: Iterable[Trajectory], reference: Iterable[Trajectory]) -> dict[str, Deviation]:
-    """Deviations of a run from a reference at the same times, without tolerances; see `Difference.deviations`.
+    """Deviations of a run from a reference at the same times, without tolerances; see `Difference`.
 
     Args:
         blocks: frames of the run.
@@ -276,10 +358,8 @@ def errors_of(blocks: Iterable[Trajectory], reference: Iterable[Trajectory]) -> 
         OtherFramesError: their beads or times differ.
         ValueError: there was no frame.
     """
-    difference = Difference(dict.fromkeys(QUANTITIES, math.inf))
-    for pair in paired(blocks, reference):
-        difference.add(*pair)
-    return difference.deviations()
+    meter = DifferenceMeter(dict.fromkeys(QUANTITIES, math.inf))
+    return meter.read(paired_parts(paired(blocks, reference))).deviations
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 
-from analysis.figures.style import AxisUnit
+from analysis.figures.panels import AxisUnit
 from analysis.trajectory import Floats
-from lammps_inputs.units import REDUCED
 
 RESOLVED = 8.0
 """Instants of an oscillation from which on a curve through them shows it."""
@@ -54,7 +53,5 @@ def half_width(time: Floats, width: int) -> float:
 
 
 def averaged(mean_over: float, unit: AxisUnit) -> str:
-    """End of a label of moving means over a duration, in units of T; empty where there are none."""
-    if not mean_over:
-        return ""
-    return f",\nmean over {mean_over * unit.worth:.2g}" + (f" {unit.symbol}" if unit.symbol != REDUCED else "")
+    """Remark on moving means over a duration, in units of T; empty where there are none."""
+    return f"mean over {mean_over * unit.worth:.2g}{unit.behind}" if mean_over else ""

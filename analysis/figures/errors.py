@@ -9,22 +9,13 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from analysis.compare.difference import Deviation, ErrorMap
-from analysis.figures.style import (
-    CHAIN_COLOURS,
-    FrameContent,
-    axis_unit,
-    evenly_spaced,
-    head,
-    is_narrow,
-    letter,
-    name_columns,
-    new_figure,
-    styled,
-    title,
-)
+from analysis.figures.drawing import draw
+from analysis.figures.panels import Axis, Curve, FrameContent, Marks, Panel, Sheet, axis_unit, evenly_spaced, title
+from analysis.figures.style import CHAIN_COLOURS, head, is_narrow, letter, name_columns, new_figure, styled
 from analysis.files.traces import Traces
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
+from lammps_inputs.units import Label
 
 GOOD, BAD = "#0072B2", "#D55E00"
 
@@ -82,7 +73,7 @@ def _draw_map(figure: Figure, space: Axes, problem: Problem, errors: ErrorMap) -
     space.set_xlabel("bead")
     if not even:
         name_columns(space, beads)
-    space.set_ylabel(unit.label(FrameContent, "time"))
+    space.set_ylabel(unit.axis(FrameContent, "time").label.mathtext)
     beyond = "min" if np.any(finite < DECADES * top) else "neither"
     bar = figure.colorbar(image, ax=space, extend=beyond)
     bar.set_label(r"largest error of any chain $|v - v_\mathrm{ref}| / V$")
@@ -132,7 +123,6 @@ MOST_POINTS = 4000
 """Of a trace; of longer ones every second, every third, ..."""
 
 
-@styled
 def residual_figure(
     problem: Problem, measured: Traces, computed: Floats, size: Floats, unit: str = r"$\sigma$", mark: str = ""
 ) -> Figure:
@@ -153,30 +143,28 @@ def residual_figure(
         >>> time = np.linspace(0.0, 20.0, 101)
         >>> data = traces.Traces(time, (traces.Channel("velocity", 1, 5),), np.sin(time)[:, np.newaxis], units=False)
         >>> computed = 0.9 * data.values  # [instant, channel]
-        >>> figure = residual_figure(granchain.load("one-chain").problem(), data, computed, size=np.array([0.1]))
-        >>> len(figure.axes)
+        >>> problem = granchain.load("one-chain").problem()
+        >>> len(residual_figure(problem, data, computed, size=np.array([0.1])).axes)
         2
     """
-    count = min(len(measured.channels), MOST_CHANNELS)
+    count, scale = min(len(measured.channels), MOST_CHANNELS), problem.scale
     thin = slice(None, None, max(1, len(measured.time) // MOST_POINTS))
-    scale = problem.scale
     time = axis_unit(problem, "time", float(measured.time[-1]) / scale.time)
-    figure = new_figure(0.8 + 2.2 * count)
-    axes = figure.subplots(2 * count, 1, sharex=True, squeeze=False, height_ratios=[2, 1] * count)[:, 0]
+    at, x = measured.time[thin] / scale.time * time.worth, time.axis(FrameContent, "time")
+    dots, line = {"linestyle": "none", "marker": ".", "markersize": 2}, {"color": CHAIN_COLOURS[0]}
+    zero = (Marks([0.0], look={**line, "linewidth": 0.8}, level=True),)
+    rows = []
     for place, channel in enumerate(measured.channels[:count]):
-        scale_unit = float(getattr(scale, channel.quantity))
+        values, scale_unit = measured.values[thin, place], float(getattr(scale, channel.quantity))
         axis = axis_unit(problem, channel.quantity, float(np.nanmax(np.abs(measured.values[:, place]))) / scale_unit)
-        at, worth = measured.time[thin] / scale.time * time.worth, axis.worth / scale_unit
-        traces, left = axes[2 * place], axes[2 * place + 1]
-        traces.plot(at, measured.values[thin, place] * worth, ".", color="0.6", markersize=2, label="data")
-        traces.plot(at, computed[thin, place] * worth, color=CHAIN_COLOURS[0], label="run")
-        traces.set_ylabel(f"{channel.name.replace('_', ' ')}\n({axis.symbol})", fontsize=8)
-        left.plot(at, ((measured.values - computed)[:, place] / size[place])[thin], ".", color="0.3", markersize=2)
-        left.axhline(0.0, color=CHAIN_COLOURS[0], linewidth=0.8)
-        left.set_ylabel(f"residual\n/ {unit}", fontsize=8)
-    letter(axes[::2])
-    axes[-1].set_xlabel(time.label(FrameContent, "time"))
-    axes[0].legend(loc="upper right")
+        worth, run = axis.worth / scale_unit, computed[thin, place]
+        both = (
+            Curve("data", at, values * worth, look={**dots, "color": "0.6"}),
+            Curve("run", at, run * worth, look=line),
+        )
+        left = Curve("residual", at, (values - run) / size[place], look={**dots, "color": "0.3"})
+        rows.append([Panel(x, Axis(Label(f"{channel.name.replace('_', ' ')}\n", unit=axis.symbol)), both)])
+        rows.append([Panel(x, Axis(Label(f"residual\n/ {unit}")), (left,), marks=zero)])
     more = f"; {len(measured.channels) - count} more channels" if len(measured.channels) > count else ""
-    head(figure, f"{title(problem)}\ndata and run{more}{mark}")
-    return figure
+    heading = f"{title(problem)}\ndata and run{more}{mark}"
+    return draw(Sheet(heading, rows, 0.8 + 2.2 * count, heights=(2.0, 1.0) * count))

@@ -1,108 +1,112 @@
 """Velocity in space and time, and what is kept of a run to draw it.
 
-Plug-ins take this module to draw maps: `SpaceTime` collects the velocities of a run, `spacetime_figure` draws them,
-`draw_maps` draws them into a figure of theirs, with `panels` for its shape; `RootScale` is the scale of the colours.
+Plug-ins take this module for maps: `space_time_meter` takes velocities from a run, `spacetime_sheet` has them as
+panels, `panels` is their arrangement, and `RootScale` the scale of the colours.
 
 Examples:
     >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
     >>> frames = engine.run(problem)
-    >>> data = watch(spacetime.SpaceTime(problem), frames.blocks())
+    >>> data = spacetime.space_time_meter(problem).read(frames.blocks())
     >>> spacetime.RootScale.of(problem, data.beads, data.velocity[:, 0]).ticks  # in units of V
     [-0.5, -0.2, -0.05, 0.0, 0.05, 0.2, 0.5]
-    >>> spacetime.spacetime_figure(data).savefig(tmp / "map.png", dpi=30)
+    >>> drawing.draw(spacetime.spacetime_sheet(data)).savefig(tmp / "map.png", dpi=30)
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.colors import FuncNorm
-from matplotlib.figure import Figure, FigureBase
-from matplotlib.patches import Patch
 
-from analysis.figures.style import (
-    AxisUnit,
+from analysis.figures.panels import (
+    BEAD,
+    Axis,
     FrameContent,
+    Image,
+    Panel,
+    Sheet,
     axis_unit,
     evenly_spaced,
     grid,
-    head,
-    is_narrow,
-    legend_below,
-    letter,
-    name_columns,
-    new_figure,
     shown_chains,
-    styled,
     title,
 )
-from analysis.trajectory import Flags, Floats, Integers, Trajectory
+from analysis.meters import Meter, Part
+from analysis.trajectory import Flags, Floats, Integers
 from lammps_inputs import Problem, physics
+from lammps_inputs.units import Label
+
+if TYPE_CHECKING:
+    from matplotlib.colors import FuncNorm
 
 MAX_PIXELS = 1200
 
 PANELS_A_ROW = 4
 
-_LEFT = "0.75"
-"""Colour of beads that a window has left."""
 
-COLOUR_SCALE = "colour: signed square root"
-"""What a bar of colours says of the scale."""
-
-
+@dataclass(frozen=True, eq=False)
 class BeadHistory:
-    """Velocity of some beads over time, in the chains that a figure shows, from every n-th frame (``stride``).
+    """Velocity of some beads over time, in the chains that a figure shows.
 
     Attributes:
         problem: what was run.
         beads: [bead] their numbers.
         chains: that are shown, counted from 0.
-        until: time of the last frame, also of one that is not kept.
+        time: [frame] in units of T.
+        velocity: [frame, chain, bead] in units of V; NaN where a window has left.
+        until: time of the last frame of the run, in units of T.
     """
 
-    def __init__(self, problem: Problem, beads: Sequence[int] | Integers, *, panels: bool = False, stride: int = 1):
-        self.problem = problem
-        self.beads: Integers = np.array(beads, dtype=np.int64)
-        self.chains = shown_chains(problem, panels=panels)
-        self.until = 0.0
-        self._stride = stride
-        self._seen = 0
-        self._time: list[Floats] = []
-        self._velocity: list[Floats] = []
+    problem: Problem
+    beads: Integers
+    chains: list[int]
+    time: Floats
+    velocity: Floats
+    until: float
 
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames of the run."""
-        frames = slice(-self._seen % self._stride, None, self._stride)
-        self._seen += block.frames
-        self.until = float(block.time[-1])
-        time, velocities = block.time[frames].copy(), block.velocity[frames][:, self.chains]
+
+@dataclass(frozen=True, eq=False)
+class HistoryMeter(Meter[tuple[Floats, Floats, float], BeadHistory]):
+    """Velocity of some beads over time, in the chains that a figure shows.
+
+    Attributes:
+        problem: what was run.
+        beads: [bead] their numbers.
+        panels: whether each chain has a panel of its own.
+        stride: number of frames from one that is taken to the next.
+    """
+
+    problem: Problem
+    beads: Integers
+    panels: bool = False
+    stride: int = 1
+
+    @property
+    def _chains(self) -> list[int]:
+        return shown_chains(self.problem, panels=self.panels)
+
+    def of_part(self, part: Part) -> tuple[Floats, Floats, float]:
+        """Times [frame] and velocities [frame, chain, bead] in a part, and the time of its last frame."""
+        block, frames, chains = part.frames, part.every(self.stride), self._chains
+        time, velocities = block.time[frames].copy(), block.velocity[frames][:, chains]
         column = block.positions(self.beads)
         held = (column >= 0) & (column < velocities.shape[2])
-        velocity = np.where(column < 0, np.nan, np.zeros((len(time), len(self.chains), len(column))))
+        velocity = np.where(column < 0, np.nan, np.zeros((len(time), len(chains), len(column))))
         velocity[..., held] = velocities[:, :, column[held]]
-        self._time.append(time)
-        self._velocity.append(velocity)
+        return time, velocity, float(block.time[-1])
 
-    @property
-    def time(self) -> Floats:
-        """[frame], in units of T."""
-        return np.concatenate(self._time)
-
-    @property
-    def velocity(self) -> Floats:
-        """[frame, chain, bead], in units of V; NaN where a window has left."""
-        return np.concatenate(self._velocity)
+    def result(self, pieces: list[tuple[Floats, Floats, float]]) -> BeadHistory:
+        """Velocities [frame, chain, bead] in the frames of all parts."""
+        time, velocity, until = zip(*pieces, strict=True)
+        return BeadHistory(
+            self.problem, self.beads, self._chains, np.concatenate(time), np.concatenate(velocity), until[-1]
+        )
 
 
-class SpaceTime(BeadHistory):
-    """Velocity of as many recorded beads and frames as a picture can show, at most `MAX_PIXELS` each."""
-
-    def __init__(self, problem: Problem) -> None:
-        beads = problem.rows.numbers[:: max(1, -(-len(problem.rows.numbers) // MAX_PIXELS))]
-        super().__init__(problem, beads, panels=True, stride=max(1, -(-(problem.frames + 1) // MAX_PIXELS)))
+def space_time_meter(problem: Problem) -> HistoryMeter:
+    """A meter of as many recorded beads and frames as a picture can show, at most `MAX_PIXELS` each."""
+    beads = problem.rows.numbers[:: max(1, -(-len(problem.rows.numbers) // MAX_PIXELS))]
+    return HistoryMeter(problem, beads, panels=True, stride=max(1, -(-(problem.frames + 1) // MAX_PIXELS)))
 
 
 @dataclass(frozen=True)
@@ -186,8 +190,10 @@ class RootScale:
         return [*(-size for size in sizes), 0.0, *reversed(sizes)]
 
     @property
-    def norm(self) -> FuncNorm:
+    def norm(self) -> "FuncNorm":
         """Scale of matplotlib."""
+        from matplotlib.colors import FuncNorm  # takes half a second to import
+
         return FuncNorm((self.root, _square), -self.limit, self.limit)
 
     @staticmethod
@@ -224,7 +230,7 @@ def panels(problem: Problem, chains: int) -> tuple[int, int]:
     return rows, -(-chains // rows)
 
 
-def _ends(data: SpaceTime) -> tuple[tuple[float, float], tuple[float, float]]:
+def _ends(data: BeadHistory) -> tuple[tuple[float, float], tuple[float, float]]:
     """Ends of the axes of beads and of time, half a bead and half a frame beyond the first and last."""
     half = 0.5 * float(data.time[-1] - data.time[0]) / max(1, len(data.time) - 1)
     instants = (float(data.time[0]) - half, float(data.time[-1]) + half)
@@ -234,75 +240,46 @@ def _ends(data: SpaceTime) -> tuple[tuple[float, float], tuple[float, float]]:
     return (float(data.beads[0]) - 0.5 * step, float(data.beads[-1]) + 0.5 * step), instants
 
 
-@styled
-def spacetime_figure(data: SpaceTime) -> Figure:
+def spacetime_sheet(data: BeadHistory) -> Sheet:
     """Velocity in space and time, the chains side by side (the paper's Figs 1, 3 and 5), those of a lattice as in it.
 
-    A single panel has no title. Grey: where the window has left.
-    """
-    rows, columns = panels(data.problem, len(data.chains))
-    figure = new_figure(0.6 + 3.6 * rows, 2.2 + 2.4 * columns)
-    draw_maps(figure, data)
-    if np.isnan(data.velocity).any():
-        legend_below(figure, [Patch(color=_LEFT)], ["the window has left"])
-    head(figure, title(data.problem, each_chain=True, panels=True, until=data.until))
-    return figure
-
-
-def draw_maps(figure: FigureBase, data: SpaceTime) -> tuple[list[Axes], AxisUnit]:
-    """Draw a map of velocity in space and time of each chain into a figure.
-
-    Where less than half of the beads are seen to move, they and some around them are drawn. Colours diverge from a
+    Where less than half of the beads are seen to move, they and some around them are shown. Colours diverge from a
     velocity of 0 and follow its square root, so that the weak tail is seen beside the pulse and the free end is not cut
-    off. The scale ends where all beads do but those up to `NEAR` from a kicked one. Beads that are not evenly
-    spaced stand side by side in columns of one width.
-
-    Returns:
-        The axes of the maps, and the unit of their times.
+    off. The scale ends where all beads do but those up to `RootScale.NEAR` from a kicked one. Beads that are not evenly
+    spaced stand side by side in columns of one width. Without a value is what a window has left.
     """
     problem, chains = data.problem, data.chains
     time = axis_unit(problem, "time", data.time[-1])
     scale = RootScale.of(problem, data.beads, data.velocity)
     unit = axis_unit(problem, "velocity", scale.limit)
-    shown_scale = RootScale(scale.limit * unit.worth)
+    velocity, limit = unit.axis(FrameContent, "velocity").label, scale.limit * unit.worth
     rows, columns = panels(problem, len(chains))
-    even = evenly_spaced(data.beads)
     places, instants = _ends(data)
-    axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    for axis in axes.flat[len(chains) :]:
-        axis.remove()
+    even = evenly_spaced(data.beads)
+    x = (
+        replace(BEAD, ends=scale.moving_part(data.velocity, data.beads, places))
+        if even
+        else Axis(Label("recorded bead"))
+    )
+    shown: list[Panel | None] = []
     for place, chain in enumerate(chains):
-        axis = axes.flat[place]
-        image = axis.imshow(
+        image = Image(
             data.velocity[:, place] * unit.worth,
-            origin="lower",
-            aspect="auto",
-            interpolation="nearest",
-            extent=(*places, *(instant * time.worth for instant in instants)),
-            cmap=RootScale.PALETTE,
-            norm=shown_scale.norm,
-            rasterized=True,
+            places,
+            (instants[0] * time.worth, instants[1] * time.worth),
+            velocity,
+            (-limit, limit),
+            signed=True,
+            missing="the window has left" if np.isnan(data.velocity).any() else "",
+            columns=None if even else data.beads,
         )
-        axis.set_facecolor(_LEFT)
-        if len(chains) > 1:
-            axis.set_title(f"chain {chain + 1}", loc="left")
-        if place + columns >= len(chains):
-            axis.set_xlabel("bead")
-            axis.xaxis.set_tick_params(labelbottom=True)
-        if not even:
-            name_columns(axis, data.beads)
-    if even:
-        axes[0, 0].xaxis.get_major_locator().set_params(integer=True)
-        axes[0, 0].set_xlim(*scale.moving_part(data.velocity, data.beads, places))
-    letter(axes.flat[: len(chains)])
-    for axis in axes[:, 0]:
-        axis.set_ylabel(time.label(FrameContent, "time"))
-    shape: dict[str, Any] = {"aspect": 20 * rows, "extendfrac": 0.05 / rows, "fraction": 0.15 / columns}
-    beyond = "both" if float(np.nanmax(np.abs(data.velocity), initial=0.0)) > scale.limit else "neither"
-    shown = list(axes.flat[: len(chains)])
-    bar = figure.colorbar(image, ax=shown, ticks=shown_scale.ticks, extend=beyond, **shape)
-    bar.ax.yaxis.set_major_formatter("{x:.4g}")
-    bar.ax.minorticks_off()
-    end = "\n" if is_narrow() else " "
-    bar.set_label(f"{unit.label(FrameContent, 'velocity')};{end}{COLOUR_SCALE}")
-    return shown, time
+        name = f"chain {chain + 1}" if len(chains) > 1 else ""
+        shown.append(Panel(x, time.axis(FrameContent, "time"), title=name, image=image))
+    shown += [None] * (rows * columns - len(chains))
+    return Sheet(
+        title(problem, each_chain=True, panels=True, until=data.until),
+        [shown[row * columns : (row + 1) * columns] for row in range(rows)],
+        0.6 + 3.6 * rows,
+        2.2 + 2.4 * columns,
+        same_y="all",
+    )

@@ -1,39 +1,37 @@
 """The leading waves: how the chains share them over the distance run, their shape, and velocities of a few beads."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from analysis.figures.spacetime import BeadHistory
-from analysis.figures.style import (
-    CHAIN_COLOURS,
+from analysis.figures.panels import (
+    BEAD,
+    Axis,
     AxisUnit,
+    Curve,
     FrameContent,
+    Marks,
     Missing,
+    Panel,
+    Sheet,
     axis_unit,
     broken,
-    draw_chains,
-    finish,
-    head,
-    is_narrow,
-    legend_beside,
-    letter,
-    new_figure,
+    curves_of,
     shown_chains,
-    styled,
     title,
 )
+from analysis.figures.spacetime import BeadHistory
 from analysis.shape.exact_wave import wave_of
 from analysis.shape.long_waves import period_of
 from analysis.shape.waveforms import COMPARED, LARGER, Waveforms
 from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing, runs_exact_waves
 from analysis.tracking.leading_waves import Waves
-from analysis.trajectory import Floats, Trajectory, along_the_way, watch
+from analysis.trajectory import Floats, along_the_way
 from lammps_inputs import Problem, physics
+from lammps_inputs.units import ENERGY_INPUT, Label
 
 AGREED = 0.01
 
@@ -41,47 +39,47 @@ FEW = 3
 """Chains up to which the energy of each is drawn: more lines cannot be distinguished."""
 
 
-@styled
-def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, direction: int = 1) -> Figure:
+def distance_sheet(problem: Problem, shared: Sharing, energies: EnergyShares, direction: int = 1) -> Sheet:
     """Leading waves over the bead that they pass, one line per chain (of many, see `shown_chains`).
 
-    From the top, each where there is something to draw: amplitudes in units of the kick (with gaps, impulses of first
+    From the top, each where there is something to show: amplitudes in units of the kick (with gaps, impulses of first
     contacts over the mass), and the bead from which on they agree to 1 %; shares of the energy in each wave, in all of
     them as measured, and as exact waves of their amplitudes would hold; shares of each whole chain (half of its
     springs' counted; two to `FEW` chains); arrival behind the chain that was kicked. Lines are interrupted at recorded
     beads at which no pulse leads, and where another pulse leads from then on.
     """
-    chains, several = shown_chains(problem), problem.chains > 1
-    shares = 1 < problem.chains <= FEW and bool(np.any(np.isfinite(energies.chain)))
-    count = 2 + shares + several
+    chains = shown_chains(problem)
     without = np.setdiff1d(along_the_way(problem, problem.rows.numbers), shared.bead)
     missing = Missing(without, period_of(problem.system))
-    energy_beads = shared.bead[energies.place]
-    figure = new_figure(0.8 + 2.0 * count)
-    axes = figure.subplots(count, 1, sharex=True)
-    draw_chains(axes[0], chains, *broken(*_pulse_by_pulse(shared, shared.amplitude, chains), missing))
-    label = "impulse of the first\ncontact $/ mV$" if shared.of_impulses else r"peak velocity $v_\mathrm{max} / V$"
-    axes[0].set_ylabel(label)
-    axes[0].set_ylim(bottom=0.0)
+    bead = BEAD if direction > 0 else replace(BEAD, label=Label(f"bead, counted from bead {problem.beads}"))
+    amplitude = Label("peak velocity", "v_\\mathrm{max}", "V")
+    if shared.of_impulses:
+        amplitude = Label("impulse of the first\ncontact", "/ mV")
+    curves = curves_of(chains, *broken(*_pulse_by_pulse(shared, shared.amplitude, chains), missing))
     agreed = shared.followed.agrees_from(AGREED)
+    remark = ""
+    marks: tuple[Marks, ...] = ()
     if agreed is not None:
-        axes[0].axvline(agreed, color="0.6", linewidth=0.8, zorder=0)
-        axes[0].set_title(f"within 1 % from bead {agreed} on", loc="right", fontsize="small", color="0.3")
-    _draw_waves(axes[1], problem, shared, energies, missing)
-    if shares:
-        draw_chains(axes[2], chains, *broken(energy_beads, energies.chain[:, chains], missing))
-        axes[2].set_ylabel("energy of chains /\nenergy input")
-        axes[2].set_ylim(0.0, 1.05)
-    if several:
+        remark = f"within 1 % from bead {agreed} on"
+        marks = (Marks([agreed], look={"color": "0.6", "linewidth": 0.8, "zorder": 0}),)
+    shown = [
+        Panel(bead, Axis(amplitude, ends=(0.0, None)), curves, remark=remark, marks=marks),
+        Panel(bead, _of_input("energy of pulses /\n"), _waves(problem, shared, energies, missing)),
+    ]
+    if 1 < problem.chains <= FEW and bool(np.any(np.isfinite(energies.chain))):
+        curves = curves_of(chains, *broken(shared.bead[energies.place], energies.chain[:, chains], missing))
+        shown.append(Panel(bead, _of_input("energy of chains /\n"), curves))
+    if problem.chains > 1:
         unit = axis_unit(problem, "time", float(np.nanmax(np.abs(shared.lag), initial=0.0)))
         lags = _pulse_by_pulse(shared, shared.lag * unit.worth, chains, behind=True)
-        draw_chains(axes[-1], chains, *broken(*lags, missing))
-        axes[-1].set_ylabel(unit.label(FrameContent, "lag", f"lag behind\nchain {shared.kicked + 1},"))
-    axes[-1].set_xlabel("bead" if direction > 0 else f"bead, counted from bead {problem.beads}")
-    axes[-1].xaxis.get_major_locator().set_params(integer=True)
-    axes[-1].set_xlim(left=max(0.0, axes[-1].get_xlim()[0]))  # there are no beads below 1
-    finish(figure, problem, axes)
-    return figure
+        lag = unit.axis(FrameContent, "lag", f"lag behind\nchain {shared.kicked + 1},")
+        shown.append(Panel(bead, lag, curves_of(chains, *broken(*lags, missing))))
+    return Sheet(title(problem, each_chain=True), [[panel] for panel in shown], 0.8 + 2.0 * len(shown))
+
+
+def _of_input(words: str) -> Axis:
+    """Axis of shares of the energy input."""
+    return Axis(Label(f"{words}{ENERGY_INPUT}"), ends=(0.0, 1.05))
 
 
 def _pulse_by_pulse(
@@ -101,31 +99,27 @@ def _pulse_by_pulse(
     return np.insert(bead, at, 0.5 * (bead[at - 1] + bead[at])), np.insert(values, at, between, axis=0)[:, chains]
 
 
-def _draw_waves(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyShares, missing: Missing) -> None:
-    """Draw shares of the energy input over the beads: each chain's leading wave, their sum, that of exact waves."""
+def _waves(problem: Problem, shared: Sharing, energies: EnergyShares, missing: Missing) -> tuple[Curve, ...]:
+    """Shares of the energy input over the beads: each chain's leading wave, that of exact waves, the sum."""
     bead, chains = shared.bead[energies.place], shown_chains(problem)
-    measured = bool(np.any(np.isfinite(energies.wave)))
-    if measured and problem.chains > 1:
-        draw_chains(axis, chains, *broken(bead, energies.wave[:, chains], missing))
     few: dict[str, Any] = {"marker": ".", "markersize": 4} if len(shared) <= FEW else {}
-    lines = []
+    measured = bool(np.any(np.isfinite(energies.wave)))
+    curves: list[Curve] = []
+    if measured and problem.chains > 1:
+        curves += curves_of(chains, *broken(bead, energies.wave[:, chains], missing))
     if runs_exact_waves(problem.system):
         exact = broken(shared.bead, np.sum(shared.wave_share, axis=1), missing)
-        lines += axis.plot(*exact, color="0.65", linewidth=3.0, label="sum of exact waves", **few)
+        curves.append(Curve("sum of exact waves", *exact, look={"color": "0.65", "linewidth": 3.0, **few}))
     if measured:
         total = broken(bead, np.sum(energies.wave, axis=1), missing)
-        lines += axis.plot(*total, color="black", linewidth=1.0, label="all pulses")
-    axis.set_ylabel("energy of pulses /\nenergy input")
-    axis.set_ylim(0.0, 1.05)
-    place: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.0}
-    axis.legend(handles=lines, ncols=2, columnspacing=1.0, fontsize="small" if is_narrow() else None, **place)
+        curves.append(Curve("all pulses", *total, look={"color": "black", "linewidth": 1.0}))
+    return tuple(curves)
 
 
 MARKERS = "os^DvP*Xp"
 
 
-@styled
-def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -> Figure:
+def shape_sheet(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -> Sheet:
     """Velocity of chosen beads as the waves pass them, scaled to the exact wave of their peak; differences below.
 
     A wave that a larger pulse overlaps at the bead is left out there.
@@ -136,13 +130,14 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
         beads: one panel each.
     """
     exact, passages, chains = wave_of(problem.system), waveforms.passages, shown_chains(problem)
-    figure = new_figure(4.4, 1.0 + 3.2 * len(beads))
-    axes = figure.subplots(2, len(beads), sharex=True, squeeze=False, height_ratios=(2.2, 1.0))
-    for column, bead in enumerate(beads):
-        above, below = axes[:, column]
-        xi = np.linspace(-COMPARED, COMPARED, 241)
-        above.plot(xi, exact.velocity(xi), color="black", linewidth=1.0, label="exact wave")
-        below.axhline(0.0, color="black", linewidth=1.0)
+    ahead_of_peak = Axis(Label("distance ahead\nof the peak\n", "c\\,(t_\\mathrm{peak} - t)", "beads"))
+    velocity_axis = Axis(Label("velocity", "v / v_\\mathrm{max}"))
+    difference = Axis(Label("difference from\nexact wave"))
+    xi, black = np.linspace(-COMPARED, COMPARED, 241), {"color": "black", "linewidth": 1.0}
+    zero = (Marks([0.0], look={**black, "zorder": 1}, level=True),)
+    above, below = [], []
+    for bead in beads:
+        waves, differences = [Curve("exact wave", xi, exact.velocity(xi), look=black)], []
         for place, chain in enumerate(chains):
             rows = np.flatnonzero((passages.chain == chain + 1) & (passages.bead == bead))
             if len(rows) == 0:
@@ -154,55 +149,25 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
             if np.max(velocity, initial=0.0) > 1.0 + LARGER:
                 continue
             look = {
-                "color": CHAIN_COLOURS[place % len(CHAIN_COLOURS)],
                 "marker": MARKERS[place % len(MARKERS)],
                 "linestyle": "none",
                 "markersize": 3.5,
                 "markerfacecolor": "none" if place % 2 else None,
                 "markevery": (place, len(chains)),
             }
-            above.plot(ahead, velocity, label=f"chain {chain + 1}", **look)
-            below.plot(ahead, velocity - exact.velocity(ahead), **look)
-        above.set_title(f"bead {bead}", loc="left")
-        words = "" if is_narrow() else "distance ahead of the peak\n"
-        below.set_xlabel(rf"{words}$c\,(t_\mathrm{{peak}} - t)$ (beads)")
-        below.ticklabel_format(axis="y", scilimits=(-2, 2))
-    axes[0, 0].set_ylabel(r"velocity $v / v_\mathrm{max}$")
-    axes[1, 0].set_ylabel("difference from\nexact wave")
-    letter(axes[0])
-    head(figure, title(problem, each_chain=True))
-    legend_beside(figure, *axes[0, -1].get_legend_handles_labels(), handletextpad=0.3)
-    return figure
+            waves.append(Curve(f"chain {chain + 1}", ahead, velocity, place, look))
+            differences.append(replace(waves[-1], y=velocity - exact.velocity(ahead)))
+        above.append(Panel(ahead_of_peak, velocity_axis, tuple(waves), f"bead {bead}"))
+        below.append(Panel(ahead_of_peak, difference, tuple(differences), marks=zero))
+    heading = title(problem, each_chain=True)
+    return Sheet(heading, [above, below], 4.6, 1.0 + 3.2 * len(beads), heights=(2.2, 1.0))
 
 
-def response_of(problem: Problem, blocks: Iterable[Trajectory], beads: Sequence[int], waves: Waves) -> Figure:
-    """Velocity of some beads over time, and the passage of the leading pulse; see `response_figure`.
-
-    Args:
-        problem: what was run.
-        blocks: consecutive frames, with velocities [frame, chain, bead] in units of V.
-        beads: numbers of the beads.
-        waves: leading pulses, with arrivals in units of T.
-
-    Returns:
-        The figure, of matplotlib.
-
-    Examples:
-        >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
-        >>> frames = engine.run(problem)
-        >>> waves = Survey(problem, frames.blocks, "maximum").waves
-        >>> len(response_of(problem, frames.blocks(), (5, 10), waves).axes)  # two for each bead
-        4
-    """
-    return response_figure(watch(BeadHistory(problem, beads), blocks), waves)
-
-
-@styled
-def response_figure(data: BeadHistory, waves: Waves | None = None) -> Figure:
+def response_sheet(data: BeadHistory, waves: Waves | None = None) -> Sheet:
     """Velocity of chosen beads over time, all chains in one row per bead (the paper's Figs 2, 4 and 6).
 
     Left over the whole run; right the passage of the leading pulse of the kicked chain, over the time after its
-    arrival. Beads that have not moved are named in the title, and not drawn.
+    arrival. Beads that have not moved are named in the title, and not shown.
 
     Args:
         data: velocities of the beads.
@@ -212,38 +177,69 @@ def response_figure(data: BeadHistory, waves: Waves | None = None) -> Figure:
     problem, velocities, beads = data.problem, data.velocity, data.beads.tolist()
     size = np.abs(np.nan_to_num(velocities)).max(axis=1, initial=0.0)  # [frame, bead]
     moved = size.max(axis=0, initial=0.0) > STILL
-    drawn: list[int] = np.flatnonzero(moved).tolist() or [0]
-    time = axis_unit(problem, "time", data.time[-1])
     velocity = axis_unit(problem, "velocity", float(size.max(initial=0.0)))
     arrivals = {} if waves is None else _arrivals(waves, problem)
-    arrivals = {number: arrivals[beads[number]] for number in drawn if beads[number] in arrivals}
-    figure = new_figure(max(2.8, 1.0 + 1.9 * len(drawn)))
-    columns: dict[str, Any] = {"width_ratios": (1.5 if is_narrow() else 2.0, 1.0)} if arrivals else {}
-    axes = figure.subplots(len(drawn), 1 + bool(arrivals), sharex="col", sharey="row", squeeze=False, **columns)
-    spans = {number: passage(data.time, size[:, number], arrival) for number, arrival in arrivals.items()}
-    close = axis_unit(problem, "time", max((high - low for low, high in spans.values()), default=1.0))
-    for panels, number in zip(axes, drawn, strict=True):
-        curves = velocities[:, :, number] * velocity.worth
-        draw_chains(panels[0], data.chains, data.time * time.worth, curves)
-        panels[0].set_title(f"bead {beads[number]}", loc="left")
-        panels[0].set_ylabel(velocity.label(FrameContent, "velocity"))
-        if number in arrivals:
-            inside = (data.time >= spans[number][0]) & (data.time <= spans[number][1])
-            after = (data.time[inside] - arrivals[number]) * close.worth
-            draw_chains(panels[1], data.chains, after, curves[inside])
-            panels[1].set_title(time_title(problem, "arrival", arrivals[number], time), loc="left")
-        elif arrivals:
-            panels[1].remove()
-    axes[-1, 0].set_xlabel(time.label(FrameContent, "time"))
-    if arrivals:
-        lowest = axes[drawn.index(max(arrivals)), 1]
-        kicked = f"in chain {_kicked(problem)} " if problem.chains > 1 else ""
-        lowest.set_xlabel(f"time after arrival\n{kicked}({close.symbol})")
-        lowest.xaxis.set_tick_params(labelbottom=True)
+    traces = []
+    for number in np.flatnonzero(moved).tolist() or [0]:
+        arrival = arrivals.get(beads[number])
+        spans = [] if arrival is None else [(arrival, *passage(data.time, size[:, number], arrival))]
+        traces.append(Trace(f"bead {beads[number]}", velocities[:, :, number] * velocity.worth, spans))
     still = [str(bead) for bead, moves in zip(beads, moved, strict=True) if not moves]
     which = f"bead{'s' * (len(still) > 1)} {', '.join(still)} {'have' if len(still) > 1 else 'has'} not moved"
-    finish(figure, problem, figure.axes, until=data.until, note=f"\n{which}" if still else "")
-    return figure
+    kicked = f"in chain {_kicked(problem)} " if problem.chains > 1 else ""
+    heading = title(problem, each_chain=True, until=data.until) + (f"\n{which}" if still else "")
+    axis = velocity.axis(FrameContent, "velocity")
+    events = ("arrival", f"time after arrival\n{kicked}".rstrip(" "))
+    return traces_sheet(problem, heading, data.time, axis, traces, events)
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A quantity of the chains over time, and passages that are shown close up.
+
+    Attributes:
+        name: of the bead or gauge.
+        values: [frame, chain] in the unit of the axis; all chains, or those that are shown.
+        passages: time of the event, first and last time that is shown, in units of T.
+        remark: on the right above the panel.
+    """
+
+    name: str
+    values: Floats
+    passages: Sequence[tuple[float, float, float]]
+    remark: str = ""
+
+
+def traces_sheet(
+    problem: Problem, heading: str, time: Floats, y: Axis, traces: Sequence[Trace], event: tuple[str, str]
+) -> Sheet:
+    """A row of panels for each trace: a line for each chain that is shown, left over the run, right close up.
+
+    Args:
+        problem: what was run.
+        heading: title of the figure.
+        time: [frame] in units of T.
+        y: axis of the values.
+        traces: with values of the chains that are shown.
+        event: that the time close up counts from, and words of that time.
+    """
+    unit, chains = axis_unit(problem, "time", float(time[-1])), shown_chains(problem)
+    columns = max(len(trace.passages) for trace in traces)
+    longest = max((last - first for trace in traces for _, first, last in trace.passages), default=1.0)
+    near = axis_unit(problem, "time", longest)
+    close = Axis(Label(event[1], unit=near.symbol), near.worth)
+    rows: list[list[Panel | None]] = []
+    for trace in traces:
+        curves = curves_of(chains, time * unit.worth, trace.values)
+        row: list[Panel | None] = [Panel(unit.axis(FrameContent, "time"), y, curves, trace.name, trace.remark)]
+        for at, first, last in trace.passages:
+            inside = (time >= first) & (time <= last)
+            curves = curves_of(chains, (time[inside] - at) * near.worth, trace.values[inside])
+            row.append(Panel(close, y, curves, time_title(event[0], at, unit)))
+        rows.append([*row, *[None] * (columns - len(trace.passages))])
+    widths = (2.25, *[1.0] * columns)
+    height, width = max(2.8, 1.0 + 1.8 * len(rows)), 7.0 + 1.5 * max(0, columns - 1)
+    return Sheet(heading, rows, height, width, same_y="row", widths=widths)
 
 
 def _arrivals(waves: Waves, problem: Problem) -> dict[int, float]:
@@ -315,7 +311,6 @@ def pulses(time: Floats, size: Floats) -> list[tuple[float, float, float]]:
     return sorted((peak, low, high) for peak, low, high in passages if high - low < longest)
 
 
-def time_title(problem: Problem, event: str, time: float, unit: AxisUnit) -> str:
+def time_title(event: str, time: float, unit: AxisUnit) -> str:
     """Text over a panel: the event from which its axis of time counts, and when it is."""
-    digits = f"{time * unit.worth:#.4g}".rstrip(".")
-    return f"{event} {digits}{f' {unit.symbol}' if problem.scale.si else ''}"
+    return f"{event} {f'{time * unit.worth:#.4g}'.rstrip('.')}{unit.behind}"

@@ -1,5 +1,6 @@
 """The leading waves as an MDAnalysis analysis: ``LeadingWaves(universe, problem).run(start, stop, step).results``."""
 
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -8,10 +9,15 @@ from MDAnalysis.analysis.results import Results, ResultsGroup
 
 import analysis.mda.formats  # noqa: F401  registers the readers
 from analysis.files import recording
+from analysis.meters import AFTER, BEFORE, parts_of
 from analysis.tracking.leading_waves import leading_waves
-from analysis.tracking.peaks import THRESHOLD, PeakFinder
-from analysis.trajectory import Trajectory
+from analysis.tracking.peak_bounds import Brackets
+from analysis.tracking.peaks import THRESHOLD, PeakMeter
+from analysis.trajectory import Floats
 from lammps_inputs import Problem
+
+Frame = tuple[float, Floats]
+"""Time in units of T, and values [column, atom] (`analysis.files.recording.of_frames`)."""
 
 _BLOCK = 64  # frames
 
@@ -58,8 +64,9 @@ class LeadingWaves(AnalysisBase):  # type: ignore[misc]  # MDAnalysis has no typ
         return ResultsGroup({"_part": ResultsGroup.flatten_sequence})
 
     def _prepare(self) -> None:
-        self.results = Results(_part=[_ContinuedPeaks(self._threshold)])  # without those of an earlier run
-        self._pending: list[tuple[float, Any]] = []
+        self.results = Results(_part=[_Stretch()])  # without those of an earlier run
+        self._meter = PeakMeter(self._threshold)
+        self._pending: list[Frame] = []
 
     def _single_frame(self) -> None:
         data = self._ts.data
@@ -68,44 +75,58 @@ class LeadingWaves(AnalysisBase):  # type: ignore[misc]  # MDAnalysis has no typ
                 f"there is a frame of step {data['step']}, but the problem's are {self._problem.steps_per_frame} steps "
                 "apart; give that of the scene.yaml of the run"
             )
-        self._pending.append((data["step"] * self._problem.timestep, np.array([data[name] for name in self._columns])))
-        if len(self._pending) == _BLOCK or self._frame_index == self.n_frames - 1:
-            time, values = (np.array(column) for column in zip(*self._pending, strict=True))
-            self.results._part[0].add(list(recording.of_frames(self._problem, time, values)))
-            self._pending.clear()
+        values = np.array([data[name] for name in self._columns])
+        self._pending.append((data["step"] * self._problem.timestep, values))
+        stretch = self.results._part[0]
+        if len(self._pending) == BEFORE + _BLOCK + AFTER:
+            stretch.head = stretch.head or self._pending[: BEFORE + AFTER]
+            stretch.pieces += self._pieces(self._pending, BEFORE, BEFORE + _BLOCK)
+            del self._pending[:_BLOCK]
+        stretch.tail = self._pending
+
+    def _pieces(self, frames: list[Frame], first: int, end: int) -> list[Brackets]:
+        """Brackets of the maxima in some of consecutive frames, from a position on and to another one."""
+        if not frames:
+            return []
+        time, values = (np.array(column) for column in zip(*frames, strict=True))
+        pieces = []
+        for part in parts_of(recording.of_frames(self._problem, time, values)):
+            low, high = max(first, part.start), min(end, part.start + part.count)
+            if low < high:
+                before = part.before + low - part.start
+                pieces.append(self._meter.of_part(replace(part, before=before, count=high - low, start=low)))
+        return pieces
 
     def _conclude(self) -> None:
         if len(set(np.diff(self.frames).tolist())) > 1 or np.any(np.diff(self.frames) < 1):
             raise ValueError("waves are found in frames that are evenly spaced and ascending")
-        finder = PeakFinder(self._threshold)
-        for part in self.results.pop("_part"):
-            part.follow(finder)
-        waves = leading_waves(finder.result(), self._problem)
+        pieces: list[Brackets] = []
+        border: list[Frame] = []  # frames around the end of a stretch
+        first = 0
+        for stretch in self.results.pop("_part"):
+            border = border + stretch.head
+            if stretch.pieces:
+                pieces += self._pieces(border, first, len(border) - AFTER) + stretch.pieces
+                border, first = [], BEFORE
+            border = border + stretch.tail
+        pieces += self._pieces(border, first, len(border))
+        if not pieces:
+            raise ValueError("no frames to analyse")
+        waves = leading_waves(self._meter.result(pieces), self._problem)
         for name in ("chain", "bead", "pulse", "arrival", "peak_velocity", "speed"):
             self.results[name] = getattr(waves, name)
 
 
-class _ContinuedPeaks:
-    """Peaks in frames in the midst of a run: found from the second block on, so that they continue any before."""
+@dataclass
+class _Stretch:
+    """Consecutive frames that one process reads.
 
-    def __init__(self, threshold: float) -> None:
-        self._head: list[Trajectory] = []
-        self._beyond = False
-        self._finder = PeakFinder(threshold)
+    Attributes:
+        head: the first frames, some of which are not searched yet; none where all are in the tail.
+        pieces: brackets of maxima in the frames in the middle.
+        tail: the last frames, some of which are not searched yet, and `BEFORE` others before these.
+    """
 
-    def add(self, blocks: list[Trajectory]) -> None:
-        """Take the next frames."""
-        for block in blocks:
-            self._finder.add(block)
-        if self._head:
-            self._beyond = True
-        else:
-            self._head = blocks
-            self._finder.forget()
-
-    def follow(self, finder: PeakFinder) -> None:
-        """Continue a finder through these frames, with what was found in them already."""
-        for block in self._head:
-            finder.add(block)
-        if self._beyond:
-            finder.take_over(self._finder)
+    head: list[Frame] = field(default_factory=list)
+    pieces: list[Brackets] = field(default_factory=list)
+    tail: list[Frame] = field(default_factory=list)

@@ -132,6 +132,11 @@ class SolitaryWave:
         """Displacement of a bead at a distance xi (any shape, beads) ahead of the peak: 0 far ahead, shift behind."""
         return np.asarray((self._velocity.integral(np.inf) - self._velocity.integral(xi)) / self.speed)
 
+    @property
+    def steepest(self) -> float:
+        """Bound on the slope of `velocity`, per bead: by Newton's law ``c v' = r(xi + 1/2)**n - r(xi - 1/2)**n``."""
+        return float(self.peak_overlap**self.exponent / self.speed)
+
     def speed_at(self, peak_velocity: ArrayLike) -> Floats:
         """Speed in beads / T at a peak velocity (any shape, in V)."""
         return self.speed * np.asarray(peak_velocity) ** ((self.exponent - 1.0) / (self.exponent + 1.0))

@@ -6,13 +6,15 @@ passes on, and which chain has the energy, can be compared.
 
 import math
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from analysis.compare.difference import Deviation, DeviationPlace, deviation_of
-from analysis.sharing.energies import EnergyFlow
+from analysis.meters import Part
+from analysis.sharing.energies import FlowMeter
 from analysis.sharing.impulses import ImpulseMeter, Impulses
-from analysis.trajectory import Floats, Integers, Trajectory, along_the_way
+from analysis.trajectory import Floats, Integers, along_the_way
 from lammps_inputs import Problem
 
 FREE_END = 5
@@ -38,42 +40,51 @@ class ChainDifference:
     share: Deviation
 
 
-class ChainMeter:
-    """Compares chains of two runs that are given block by block, one of rigid and one of elastic beads.
+class _OfChains(NamedTuple):
+    """What a comparison of chains takes from a part of each of two runs.
 
-    Args:
+    Attributes:
+        pushes: what the impulses of the elastic beads follow from.
+        flows: what the shares of the energy in both runs follow from; None where not all beads are recorded.
+    """
+
+    pushes: Any
+    flows: tuple[Any, Any] | None
+
+
+@dataclass(frozen=True)
+class ChainMeter:
+    """Differences between the chains of two runs, one of rigid and one of elastic beads, by pairs of parts.
+
+    Attributes:
         problem: problem with the beads and times that both runs recorded.
         rigid_first: whether the first run is the one with rigid beads.
     """
 
-    def __init__(self, problem: Problem, *, rigid_first: bool) -> None:
-        self._elastic = 1 if rigid_first else 0
-        self._problem = problem
-        self._impulses = ImpulseMeter(problem)
-        self._flows = (EnergyFlow(problem), EnergyFlow(problem)) if problem.rows.complete else None
-        self.last_time = 0.0
+    problem: Problem
+    rigid_first: bool
 
-    def add(self, first: Trajectory, second: Trajectory) -> None:
-        """Take the next frames of both, at the same times."""
-        blocks = first, second
-        self._impulses.add(blocks[self._elastic])
-        self.last_time = float(first.time[-1])
-        if self._flows is not None:
-            for flow, block in zip(self._flows, blocks, strict=True):
-                flow.add(block)
+    def of_parts(self, first: Part, second: Part) -> _OfChains:
+        """What the differences take from a part of each run, at the same times."""
+        pushes = ImpulseMeter(self.problem).of_part(second if self.rigid_first else first)
+        if not self.problem.rows.complete:
+            return _OfChains(pushes, None)
+        flow = FlowMeter(self.problem)
+        return _OfChains(pushes, (flow.of_part(first), flow.of_part(second)))
 
-    def result(self, rigid: Impulses, tolerance: float) -> tuple[dict[str, Deviation], tuple[ChainDifference, ...]]:
+    def result(
+        self, pieces: list[_OfChains], rigid: Impulses, tolerance: float
+    ) -> tuple[dict[str, Deviation], tuple[ChainDifference, ...]]:
         """Deviations of all chains together, by ``impulse`` and ``share``, and each chain's.
 
         Args:
-            rigid: impulses of the rigid beads until `last_time`.
+            pieces: from all pairs of parts, in order.
+            rigid: impulses of the rigid beads until the last frame.
             tolerance: largest difference of impulses that counts as agreement.
-
-        Raises:
-            ValueError: there was no frame.
         """
-        bead, impulse, time = self._impulses_apart(rigid)
-        share = self._shares_apart()
+        elastic = ImpulseMeter(self.problem).result([piece.pushes for piece in pieces])
+        bead, impulse, time = self._impulses_apart(elastic, rigid)
+        share = self._shares_apart([piece.flows for piece in pieces if piece.flows is not None])
         deviations = {"impulse": _size(impulse), "share": _size(share)}
         if impulse.size:
             chain, row = (index.ravel() for index in np.indices(impulse.shape))
@@ -83,7 +94,7 @@ class ChainMeter:
                 tolerance,
                 lambda k: DeviationPlace(int(chain[k]) + 1, int(bead[row[k]]), float(time.flat[k])),
             )
-        if self._flows is None:
+        if not self.problem.rows.complete:
             del deviations["share"]
         chains = tuple(
             ChainDifference(
@@ -92,18 +103,18 @@ class ChainMeter:
                 agrees_until=_agrees_until(bead, impulse[number], tolerance),
                 share=_size(share[:, number]),
             )
-            for number in range(self._problem.chains)
+            for number in range(self.problem.chains)
         )
         return deviations, chains
 
-    def _impulses_apart(self, rigid: Impulses) -> tuple[Integers, Floats, Floats]:
+    def _impulses_apart(self, elastic: Impulses, rigid: Impulses) -> tuple[Integers, Floats, Floats]:
         """Rows in which a contact passed something on in both runs, in any chain, in the order of the pulse's way.
 
         Returns:
             receiving bead of each row, [row]; size of the difference, [chain, row]; time of the earlier of the two
             contacts, [chain, row], infinite where neither run has one.
         """
-        problem, elastic = self._problem, self._impulses.result()
+        problem = self.problem
         bead, rows, rigid_rows = np.intersect1d(elastic.bead, rigid.bead, return_indices=True)
         bead = bead if problem.direction > 0 else bead - 1
         position = along_the_way(problem, bead)
@@ -117,11 +128,11 @@ class ChainMeter:
         time = np.fmin(rigid.time[:, rigid_rows], elastic.time[:, rows])
         return bead, size, np.where(np.isnan(time), np.inf, time)
 
-    def _shares_apart(self) -> Floats:
+    def _shares_apart(self, flows: list[tuple[Any, Any]]) -> Floats:
         """Size of the difference of each chain's share of the energy, [instant, chain]; no instant if unknown."""
-        if self._flows is None:
-            return np.zeros((0, self._problem.chains))
-        first, second = (flow.result().share for flow in self._flows)
+        if not flows:
+            return np.zeros((0, self.problem.chains))
+        first, second = (FlowMeter(self.problem).result(list(of_run)).share for of_run in zip(*flows, strict=True))
         return np.asarray(np.abs(first - second))
 
 

@@ -1,9 +1,9 @@
 """Where the energy is: over time, and in the leading waves as they run.
 
-`EnergyFlow` has the share of each chain, its centre along the chain, and how far it is spread, for problems in which no
+`Flow` has the share of each chain, its centre along the chain, and how far it is spread, for problems in which no
 pulse stays together, such as chains on a foundation; it makes sense of any. `EnergyShares` has the energy in each
-chain, and inside the waves, at the instants at which the waves pass chosen beads; they are picked out while the run is
-read a second time. The energy of a spring is shared by its two chains there. Inside a wave are the beads within
+chain, and inside the waves, at the instants at which the waves pass chosen beads, in a second reading of the run. The
+energy of a spring is shared by its two chains there. Inside a wave are the beads within
 `analysis.shape.waveforms.reach` of its peak, with the contacts between them. Between frames they are interpolated
 (`analysis.between_frames`).
 
@@ -11,33 +11,34 @@ Springs that vary in time: the action of the modes in which rows oscillate, ener
 adiabatic invariant. Each mode keeps its action where stiffnesses change slowly, and modes exchange it where their
 frequencies come close (Landau and Zener; Novotny 2010). Rows are independent of each other while no contact is loaded.
 
-Plug-ins take this module for the flow of energy between chains: `EnergyFlow` collects a `Flow`.
+Plug-ins take this module for the flow of energy between chains: `FlowMeter` gives a `Flow`.
 
 Examples:
     >>> problem = granchain.load("two-chains", {"beads": 20, "duration": 30.0}).problem()
     >>> frames = engine.run(problem)
-    >>> flow = watch(energies.EnergyFlow(problem), frames.blocks()).result()
+    >>> flow = energies.FlowMeter(problem).read(frames.blocks())
     >>> flow.share[[0, 150, 300]].round(3)  # [instant, chain], at t = 0, 15 T and 30 T
     array([[1.   , 0.   ],
            [0.267, 0.733],
            [0.58 , 0.42 ]])
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from analysis import motion
 from analysis.between_frames import (
     LARGEST_UNCERTAINTY,
-    Instants,
-    Pair,
     derivatives,
     interpolated,
     moments_of_chains,
+    pairs_in,
     steps_from,
 )
 from analysis.conservation import energy_input
+from analysis.meters import Meter, Part
 from analysis.quantity import declare, result
 from analysis.shape.waveforms import reach
 from analysis.sharing.equipartition import Sharing
@@ -85,6 +86,27 @@ class Flow:
         default=None,
     )
 
+    share_error: Floats | None = declare(
+        "uncertainty of ``share`` and ``action`` by the run (``run_error``): 2 e sqrt(M / E) with its error e of "
+        "velocities, mass M and energy E of all chains, [instant]; none by the time between frames",
+        undefined="the run was not checked, or no chain has energy",
+        default=None,
+    )
+    centre_error: Floats | None = declare(
+        "uncertainty of ``centre`` by the run (``run_error``): 2 e sqrt(M / E) times ``spread``, with mass and "
+        "energy of the chain, [instant, chain]",
+        "beads",
+        f"the run was not checked, or {NO_CENTRE}",
+        default=None,
+    )
+    fastest_mode_action_error: float | None = declare(
+        "uncertainty of ``fastest_mode_action`` by the run, as ``share_error`` at the end",
+        undefined="as ``fastest_mode_action``, or the run was not checked",
+        default=None,
+    )
+    energy: Floats | None = None
+    """Energy of all chains, [instant] in units of m V**2."""
+
     def extremes(self, chain: int) -> tuple[tuple[float, float], tuple[float, float]]:
         """Least and largest share of a chain (from 0) after the start, each with its time; the start if alone."""
         later = slice(1, None) if len(self.time) > 1 else slice(None)
@@ -97,31 +119,24 @@ class Flow:
         return (float(share[smallest]), float(time[smallest])), (float(share[largest]), float(time[largest]))
 
 
-class EnergyFlow:
-    """Collects a `Flow` from a run of all beads that is given block by block."""
+@dataclass(frozen=True)
+class FlowMeter(Meter[list[tuple[Floats, ...]], Flow]):
+    """Energy at some frames of a run of all beads, and at the last.
 
-    def __init__(self, problem: Problem) -> None:
-        self._stride = -(-(problem.frames + 1) // MOST_INSTANTS)
-        self._frames = 0
-        self._samples: list[tuple[Floats, ...]] = []
-        self._action: list[Floats] | None = [] if has_modes(problem.system) else None
-        self._last_action = np.full((1, 1), np.nan)
-        self._last: tuple[Floats, ...] | None = None  # of the last frame, where it is none of the chosen ones
+    Attributes:
+        problem: what was run.
+    """
 
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames, from the first of the run on."""
-        chosen = slice(-self._frames % self._stride, None, self._stride)
-        self._frames += block.frames
-        self._samples.append(self._of(block, chosen))
-        apart = (self._frames - 1) % self._stride > 0
-        self._last = self._of(block, slice(-1, None)) if apart else None
-        if self._action is not None:
-            self._action.append(shares_of_action(block, chosen))
-            self._last_action = shares_of_action(block, slice(-1, None))
+    problem: Problem
 
-    @staticmethod
-    def _of(block: Trajectory, chosen: slice) -> tuple[Floats, ...]:
-        """Time, share, energy between chains, centre and spread at some frames."""
+    def of_part(self, part: Part) -> list[tuple[Floats, ...]]:
+        """Time, share, energy between chains, centre, spread, energy of all, and shares of modes, each [frame]."""
+        frames = [part.every(-(-(self.problem.frames + 1) // MOST_INSTANTS))]
+        if part.is_last:
+            frames.append(slice(-1, None))
+        return [self._of(part.frames, chosen) for chosen in frames]
+
+    def _of(self, block: Trajectory, chosen: slice) -> tuple[Floats, ...]:
         x, v = block.displacement[chosen], block.velocity[chosen]
         energy = motion.bead_energy(block.system_at(chosen), x, v, block.first)
         of_chain = energy.sum(axis=-1, keepdims=True)
@@ -136,24 +151,21 @@ class EnergyFlow:
             weight = np.where(share > LEAST, 1.0, np.nan)[..., np.newaxis] * energy / of_chain
         centre = np.sum(weight * block.beads, axis=-1)
         spread = np.sqrt(np.sum(weight * (block.beads - centre[..., np.newaxis]) ** 2, axis=-1))
-        return block.time[chosen], share, between, centre, spread
+        modes = [shares_of_action(block, chosen)] if has_modes(self.problem.system) else []
+        return block.time[chosen], share, between, centre, spread, total[:, 0, 0], *modes
 
-    def result(self) -> Flow:
-        """Energy at some of the frames so far.
-
-        Raises:
-            ValueError: there was none.
-        """
-        if not self._samples:
-            raise ValueError("no frames to measure")
-        last = [] if self._last is None else [self._last]
-        parts = zip(*self._samples, *last, strict=True)
-        time, share, between, centre, spread = (np.concatenate(part) for part in parts)
-        flow = Flow(time, share, between, centre, spread)
-        if self._action is None:
+    def result(self, pieces: list[list[tuple[Floats, ...]]]) -> Flow:
+        """Energy at the frames, [instant]."""
+        *samples, last = [of_frames for piece in pieces for of_frames in piece]
+        if len(samples[-1][0]) == 0 or samples[-1][0][-1] < last[0][0]:
+            samples.append(last)
+        columns = (np.concatenate(part) for part in list(zip(*samples, strict=True))[:6])
+        time, share, between, centre, spread, energy = columns
+        flow = Flow(time, share, between, centre, spread, energy=energy)
+        if not has_modes(self.problem.system):
             return flow
-        actions = [*self._action, *([] if self._last is None else [self._last_action])]
-        return replace(flow, action=np.concatenate(actions), fastest_mode_action=float(self._last_action[-1, -1]))
+        action = np.concatenate([of_frames[-1] for of_frames in samples])
+        return replace(flow, action=action, fastest_mode_action=float(last[-1][-1, -1]))
 
 
 MOST_CHAINS = 30
@@ -212,8 +224,9 @@ def _stiffness(system: System, frames: int) -> Floats:
 MAX_PLACES = 400
 
 
+@dataclass(frozen=True)
 class EnergyShares:
-    """Collects energies when the chains' waves pass beads; for runs in which every bead is recorded.
+    """Energies when the chains' waves pass beads; for runs in which every bead is recorded.
 
     Shares are of the energy input, and NaN where their uncertainty exceeds `LARGEST_UNCERTAINTY`.
 
@@ -226,58 +239,95 @@ class EnergyShares:
             the instant uncertain.
     """
 
-    def __init__(self, problem: Problem, shared: Sharing) -> None:
-        self.problem = problem
-        self._shared = shared
-        arrival = shared.of_tied(shared.arrival)
-        defined = np.flatnonzero(np.all(np.isfinite(arrival), axis=1)) if problem.rows.neighbours else np.arange(0)
-        count = min(len(defined), MAX_PLACES)
-        self.place = defined[np.unique(np.linspace(0, max(len(defined) - 1, 0), count).round().astype(np.int64))]
-        time = np.mean(arrival[self.place], axis=1) if count else np.zeros(0)
-        self._late = np.zeros(len(self.place))
-        if shared.arrival_error is not None and count:
-            self._late = np.mean(np.nan_to_num(shared.of_tied(shared.arrival_error)[self.place], posinf=0.0), axis=1)
-        self._instants, self._reach = Instants(time, problem), reach(problem)
-        self._peaks = np.array([self._beads_at_peaks(time + late, defined) for late in (0.0, -self._late, self._late)])
-        shape = (len(self.place), problem.chains)
-        self.chain, self.wave, self.chain_error, self.wave_error = np.full((4, *shape), np.nan)
+    place: Integers
+    chain: Floats
+    wave: Floats
+    chain_error: Floats
+    wave_error: Floats
 
-    def _beads_at_peaks(self, time: Floats, places: Integers) -> Floats:
-        """[instant, chain] beads at which the waves are, by their arrivals at places [place]; NaN without arrivals."""
+
+@dataclass(frozen=True, eq=False)
+class ShareMeter(Meter[tuple[Integers, Floats], EnergyShares]):
+    """Energies when leading waves pass beads.
+
+    Attributes:
+        problem: what was run, as the leading waves run through it.
+        shared: the leading waves.
+    """
+
+    problem: Problem
+    shared: Sharing
+
+    @cached_property
+    def _defined(self) -> Integers:
+        """Positions in the `Sharing` at which all arrivals are defined, [place]; none where few beads are recorded."""
+        arrival = self.shared.of_tied(self.shared.arrival)
+        return np.flatnonzero(np.all(np.isfinite(arrival), axis=1) & (self.problem.rows.neighbours))
+
+    @cached_property
+    def place(self) -> Integers:
+        """Positions in the `Sharing` at which energies are measured, [instant]: `MAX_PLACES` at most."""
+        count = min(len(self._defined), MAX_PLACES)
+        return self._defined[np.unique(np.linspace(0, max(len(self._defined) - 1, 0), count).round().astype(np.int64))]
+
+    @cached_property
+    def _time(self) -> Floats:
+        """Instants, [instant] in units of T: means of the arrivals."""
+        return np.asarray(np.mean(self.shared.of_tied(self.shared.arrival)[self.place], axis=1))
+
+    @cached_property
+    def _late(self) -> Floats:
+        """Uncertainties of the instants, [instant] in units of T."""
+        if self.shared.arrival_error is None:
+            return np.zeros(len(self.place))
+        error = np.nan_to_num(self.shared.of_tied(self.shared.arrival_error)[self.place], posinf=0.0)
+        return np.asarray(np.mean(error, axis=1))
+
+    @cached_property
+    def _peaks(self) -> Floats:
+        """Beads at which the waves are, [set, instant, chain], at the instants, and as much before and after them."""
+        return np.array([self._beads_at_peaks(self._time + late) for late in (0.0, -self._late, self._late)])
+
+    def _beads_at_peaks(self, time: Floats) -> Floats:
+        """[instant, chain] beads at which the waves are, by their arrivals; NaN without arrivals."""
         if len(time) == 0:
             return np.zeros((0, self.problem.chains))
-        beads = self._shared.bead[places]
-        arrivals = np.maximum.accumulate(self._shared.arrival[places], axis=0)
+        beads = self.shared.bead[self._defined]
+        arrivals = np.maximum.accumulate(self.shared.arrival[self._defined], axis=0)
         return np.array([np.rint(np.interp(time, of_chain, beads)) for of_chain in arrivals.T]).T
 
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames, from the first of the run on."""
-        if not block.forces_known:
-            return
-        for pair in self._instants.within(block):
-            self._measure(pair)
-
-    def _measure(self, pair: Pair) -> None:
-        """Take the energies at the instants between the frames of a pair."""
-        block, entry = pair.block, pair.entry
+    def of_part(self, part: Part) -> tuple[Integers, Floats]:
+        """Positions of the instants in a part, and `chain`, `wave` and their errors there, [4, instant, chain]."""
+        part = part if part.around.problem.direction > 0 else part.in_mirror
+        if not (part.around.forces_known and len(self.place)):
+            return np.arange(0), np.zeros((4, 0, self.problem.chains))
+        block, entry, before, share_of_time = pairs_in(part, self._time)
+        if len(entry) == 0:
+            return entry, np.zeros((4, 0, self.problem.chains))
         peaks = self._peaks[:, entry]
         if np.array_equal(peaks[1], peaks[0], equal_nan=True) and np.array_equal(peaks[2], peaks[0], equal_nan=True):
             peaks = peaks[:1]
-        frame = np.concatenate([pair.frame, pair.frame + 1])
+        frame = np.concatenate([before, before + 1])
         step = np.repeat(steps_from(block), len(entry))
         energy = self._energies(block, frame, step, np.concatenate([peaks, peaks], axis=1))
         of_frames = derivatives(energy, step[:, np.newaxis]).reshape((3, len(energy[0]), 2, len(entry), -1))
-        share = np.broadcast_to(pair.share[:, np.newaxis], (len(energy[0]), len(entry), self.problem.chains))
+        share = np.broadcast_to(share_of_time[:, np.newaxis], (len(energy[0]), len(entry), self.problem.chains))
         at_instants = interpolated(np.moveaxis(of_frames, 2, 0), share, block.spacing)
-        chain, wave, *others = at_instants.value / self._shared.energy
+        chain, wave, *others = at_instants.value / self.shared.energy
         error = at_instants.uncertainty + self._late[entry, np.newaxis] * np.abs(at_instants.rate)
-        error = error[:2] / self._shared.energy
+        error = error[:2] / self.shared.energy
         error[1] += sum(np.abs(other - wave) for other in others)
         if self.problem.rows.follow:
             chain = np.full_like(chain, np.nan)
         stated = (error <= LARGEST_UNCERTAINTY) & np.isfinite([chain, wave])
-        self.chain[entry], self.wave[entry] = np.where(stated, [chain, wave], np.nan)
-        self.chain_error[entry], self.wave_error[entry] = np.where(stated, error, np.nan)
+        return entry, np.where(np.concatenate([stated, stated]), np.concatenate([[chain, wave], error]), np.nan)
+
+    def result(self, pieces: list[tuple[Integers, Floats]]) -> EnergyShares:
+        """Energies at all instants, [instant, chain]."""
+        values = np.full((4, len(self.place), self.problem.chains), np.nan)
+        for entry, of_part in pieces:
+            values[:, entry] = of_part
+        return EnergyShares(self.place, *values)
 
     def _energies(self, block: Trajectory, frame: Integers, step: Floats, peaks: Floats) -> Floats:
         """Energies of the chains, and of their waves about each set of peaks, at three moments beside chosen frames.
@@ -303,14 +353,15 @@ class EnergyShares:
             link.add_chain_energy(total, link.energy(x, first))
         energies = np.zeros((3, 1 + len(peaks), *total.shape[1:]))
         energies[:, 0] = total
+        far = reach(self.problem)
         lowest, highest = np.fmin.reduce(peaks, axis=None), np.fmax.reduce(peaks, axis=None)
         number = np.arange(first, first + x.shape[-1])
-        some = np.flatnonzero((number >= lowest - self._reach) & (number <= highest + self._reach))
+        some = np.flatnonzero((number >= lowest - far) & (number <= highest + far))
         if len(some):
             columns = slice(int(some[0]), int(some[-1]) + 1)
             kinetic, contacts = kinetic[..., columns], contacts[..., columns.start : columns.stop - 1]
             for number_of_set, beads_of_peaks in enumerate(peaks, 1):  # none where there is no peak
-                inside = np.abs(number[columns] - beads_of_peaks[..., np.newaxis]) <= self._reach
+                inside = np.abs(number[columns] - beads_of_peaks[..., np.newaxis]) <= far
                 between = inside[..., :-1] & inside[..., 1:]
                 energies[:, number_of_set] += np.sum(np.where(inside, kinetic, 0.0), axis=-1)
                 energies[:, number_of_set] += np.sum(np.where(between, contacts, 0.0), axis=-1)

@@ -45,7 +45,17 @@ class Character:
         "bound on the error of the peak velocity by the time between frames and by the run (``run_error``)", "velocity"
     )
     speed: float = declare("speed of the pulse at that bead", "speed", "it was seen at one bead only", "c")
+    speed_error: float = declare(
+        "bound on the error of the speed by those of the arrivals and by the run (``run_error``)",
+        "speed",
+        "so is the speed, an error of an arrival is, or these errors exceed the time between the arrivals",
+    )
     width: float = declare("full width of the velocity at half its maximum", "beads", UNSEEN)
+    width_error: float = declare(
+        "uncertainty of the width by the time between frames, by that of the speed and by the run (``run_error``)",
+        "beads",
+        "so is the width or ``speed_error``, or the passage is recorded in fewer than six frames",
+    )
     momentum: float = declare(
         "mass times speed times the integral of the velocity over the time in which the pulse travels from four beads "
         "before the bead to four beads behind it",
@@ -73,13 +83,24 @@ class Character:
         "largest difference of the velocity from the exact wave of this peak velocity, over that",
         undefined=f"{UNSEEN}; a larger pulse overlaps; beads differ or are preloaded",
     )
+    residual_error: float = declare(
+        "uncertainty of the residual by the time between frames and by the run (``run_error``)",
+        undefined="as ``residual``",
+    )
     speed_excess: float = declare(
         "relative difference of the speed from the exact law at this peak velocity",
         undefined="beads differ or are preloaded",
     )
+    speed_excess_error: float = declare(
+        "uncertainty of ``speed_excess`` by those of the speed and of the peak velocity",
+        undefined="as ``speed_excess`` or ``speed_error``",
+    )
     variation: float = declare(
         f"(largest - smallest) / mean peak velocity of the passages found at the {CONSTANT_OVER} beads up to this one",
         undefined="it ran less",
+    )
+    variation_error: float = declare(
+        "uncertainty of ``variation`` by the largest of those of the peak velocities", undefined="as ``variation``"
     )
     falls: bool
     """Whether the amplitude is less than ten beads before."""
@@ -130,26 +151,29 @@ def characterise(
     Args:
         pulse: the pulse.
         at: position of the passage.
-        shape: width, momentum, energy, its uncertainty, and residual of that passage.
+        shape: width, momentum, energy and residual of that passage, and their uncertainties.
         tolerances: what counts as equal.
         problem: what was run.
     """
     system = problem.system
     allowed = tolerances or Tolerances()
-    names = "arrival", "peak_velocity", "arrival_error", "peak_velocity_error", "speed"
+    names = "arrival", "peak_velocity", "arrival_error", "peak_velocity_error", "speed", "speed_error"
     measured = {name: float(getattr(pulse, name)[at]) for name in names}
-    excess = measured["speed"] / float(wave_of(system).speed_at(measured["peak_velocity"])) - 1.0
+    wave = wave_of(system)
+    excess = measured["speed"] / float(wave.speed_at(measured["peak_velocity"])) - 1.0
+    relative = measured["speed_error"] / measured["speed"], measured["peak_velocity_error"] / measured["peak_velocity"]
     near = pulse.recent(at)
     exact = _as_reference_beads(problem, pulse.chain - 1, int(pulse.bead[at]) - 1)
     if not exact:
         mass = physics.mass_of(system, pulse.chain - 1, pulse.bead[near] - 1)
         near = near[np.broadcast_to(mass == physics.mass_of(system, pulse.chain - 1, pulse.bead[at] - 1), near.shape)]
-        shape, excess = {**shape, "residual": np.nan}, np.nan
+        shape, excess = {**shape, "residual": np.nan, "residual_error": np.nan}, np.nan
     recent = pulse.peak_velocity[near]
     distance = np.abs(pulse.bead[near[0]] - pulse.bead[at])
     variation = (
         float(np.ptp(recent) / np.mean(recent)) if len(recent) > 1 and distance > 0.5 * CONSTANT_OVER else np.nan
     )
+    error, mean = float(np.max(pulse.peak_velocity_error[near])), float(np.mean(recent))
     differences = {"shape": shape["residual"], "speed": abs(excess)} if exact else {"amplitude": variation}
     if np.isfinite(variation):  # else too few beads are recorded
         differences["amplitude"] = variation
@@ -158,7 +182,9 @@ def characterise(
         **measured,
         **shape,
         speed_excess=excess,
+        speed_excess_error=(1.0 + excess) * (relative[0] + (wave.exponent - 1.0) / (wave.exponent + 1.0) * relative[1]),
         variation=variation,
+        variation_error=(2.0 + variation) * error / (mean - error) if error < mean else np.nan,
         falls=bool(recent[-1] < recent[0]),
         fails=(
             *(name for name, value in differences.items() if not value <= getattr(allowed, name)),

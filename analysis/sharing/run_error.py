@@ -6,28 +6,35 @@ run is added to each. Both are bounds, so they add up.
 
 - A leading pulse has the errors that were measured for leading pulses, others that of all velocities: as a velocity,
   and as the time in which the exact wave of their peak velocity v rises by it, over ``v**1.2``.
+- A time step delays a pulse in proportion to the time t that it has run, by the error e of its arrival at most, and
+  each passage by what the error a of its peak velocity v makes of it. The time d between two arrivals, on which speeds
+  and lags depend, is then off by ``2 e d / t + 2 a / v**1.2``, and by 2 e at most. Measured, that of a passage and its
+  neighbours holds in 99 of 100 passages of installed scenes, and is 4 to 50 times the error.
+- Energies of beads of masses m at a frame are off by up to ``2 e sqrt(m E)``, kinetic ones as ``m v e``, with the error
+  e of velocities; sums of them and their shares then follow from the inequality of Cauchy and Schwarz.
+- Widths are off by as much as speeds, and their ends by ``a / v**1.2``. Residuals are differences of velocities.
 - An energy is a square of velocities: its relative error is twice that of the peak velocity.
 - A force changes by ``m omega`` times a velocity, with the largest angular frequency omega, half of it for two beads
   that move against each other; an impulse changes the velocities of two beads whenever a contact closes
   (`with_error` of the readings of forces).
 """
 
-import copy
 import math
 from dataclasses import replace
 
 import numpy as np
 
 from analysis.quantity import declare, result
-from analysis.shape.waveforms import REACH
-from analysis.sharing.energies import EnergyShares
+from analysis.shape.waveforms import REACH, Shape
+from analysis.sharing.energies import EnergyShares, Flow
 from analysis.sharing.equipartition import Sharing
 from analysis.sharing.is_solitary import Character
 from analysis.sharing.survey import Survey, numbered
 from analysis.sharing.verdict import fit_decay, verdict_on
-from analysis.tracking.leading_waves import Waves
+from analysis.tracking.leading_waves import Lags, Waves
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats
+from lammps_inputs import Problem
 
 STEEPEST = 1.2
 """Power of the peak velocity by which the largest slope of the exact wave's velocity over time grows."""
@@ -74,7 +81,24 @@ class MeasuredError:
 
     def of_passages(self, peak_velocity: Floats) -> Floats:
         """Errors of the arrivals, [passage], of pulses that do not lead, of these peak velocities."""
-        return np.maximum(self.arrival, self.velocity / np.maximum(peak_velocity, 1e-12) ** STEEPEST)
+        return np.maximum(self.arrival, _rises(self.velocity, peak_velocity))
+
+
+def _of_speed(speed: Floats, time: Floats, late: Floats, moved: Floats) -> Floats:
+    """Errors of speeds, [passage], from the arrivals one bead before and one after.
+
+    Args:
+        speed, time: of the passage, in beads / T and in T.
+        late: error of the arrival, in T.
+        moved: time in which the velocity rises by the error of the peak velocity, in T.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.minimum(2.0 * late * speed / time + moved * speed**2, 2.0 * late * speed**2))
+
+
+def _rises(error: Floats | float, peak_velocity: Floats) -> Floats:
+    """Time, [passage] in T, in which the velocity of an exact wave of this peak velocity rises by an error."""
+    return np.asarray(error / np.maximum(peak_velocity, 1e-12) ** STEEPEST)
 
 
 UNMEASURED = MeasuredError()
@@ -92,6 +116,8 @@ def with_run_error(of_frames: Survey, error: MeasuredError) -> Survey:
     return survey.replaced(
         passages=waves,
         waves=waves,
+        lags=_of_lags(survey, error),
+        shape=_of_shape(survey, waves, error),
         pulses=pulses,
         characters=tuple(_of_character(*each, error) for each in zip(survey.characters, pulses, strict=True)),
         shared=shared,
@@ -101,16 +127,57 @@ def with_run_error(of_frames: Survey, error: MeasuredError) -> Survey:
     )
 
 
+def flow_with_error(flow: Flow, error: MeasuredError, problem: Problem) -> Flow:
+    """Shares of energy over time with the error of the run."""
+    if not error.measured or flow.energy is None:
+        return flow
+    mass = np.sum(np.broadcast_to(problem.system.mass, (problem.chains, problem.beads)), axis=1)
+    of_chain = flow.share * flow.energy[:, np.newaxis]
+    of_shares, of_centres = (
+        2.0 * error.velocity * np.sqrt(heavy / np.where(energy > 0.0, energy, np.nan))
+        for heavy, energy in ((np.sum(mass), flow.energy), (mass, of_chain))
+    )
+    at_end = None if flow.fastest_mode_action is None else float(of_shares[-1])
+    return replace(flow, share_error=of_shares, centre_error=of_centres * flow.spread, fastest_mode_action_error=at_end)
+
+
 def _of_waves(survey: Survey, error: MeasuredError) -> Waves:
     """Leading waves; a maximum at the start is exact, and last beads, which fly off, have errors of other pulses."""
     waves = survey.waves
     exact, last = waves.peak_velocity_error == 0.0, waves.bead == (survey.problem.beads if survey.direction > 0 else 1)
     arrival = np.where(last, error.of_passages(waves.peak_velocity), error.arrival)
     peak = np.where(last, error.velocity, error.amplitude)
+    speed = _of_speed(waves.speed, waves.time, arrival, _rises(peak, waves.peak_velocity))
     return replace(
         waves,
         arrival_error=waves.arrival_error + np.where(exact, 0.0, arrival),
         peak_velocity_error=waves.peak_velocity_error + np.where(exact, 0.0, peak),
+        speed_error=waves.speed_error + speed,
+    )
+
+
+def _of_lags(survey: Survey, error: MeasuredError) -> Lags:
+    """Lags behind the kicked chain; centres of impulses depend on displacements, with errors of all velocities."""
+    waves, lags = survey.waves, survey.lags
+    least = np.full(survey.problem.beads + 1, np.inf)
+    np.minimum.at(least, waves.bead, waves.peak_velocity)
+    moved = _rises(error.velocity if survey.arrival == "impulse" else error.amplitude, least[waves.bead])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        late = np.minimum(2.0 * error.arrival * np.abs(lags.value) / waves.time + 2.0 * moved, 2.0 * error.arrival)
+    return lags._replace(error=lags.error + np.where(waves.chain == survey.shared.kicked + 1, 0.0, late))
+
+
+def _of_shape(survey: Survey, waves: Waves, error: MeasuredError) -> Shape:
+    """Shapes of the leading waves, with the errors that their speeds have now."""
+    shape, before = survey.shape, survey.waves
+    of_speed = shape.width * (waves.speed_error - before.speed_error) / waves.speed
+    of_ends = 2.0 * waves.speed * _rises(error.amplitude, waves.peak_velocity)
+    of_velocities = (error.amplitude + error.velocity) / waves.peak_velocity
+    return replace(
+        shape,
+        width_error=shape.width_error + of_speed + of_ends,
+        energy_error=shape.energy_error + 2.0 * error.amplitude / waves.peak_velocity * shape.energy,
+        residual_error=shape.residual_error + of_velocities,
     )
 
 
@@ -121,10 +188,12 @@ def _of_pulse(pulse: Pulse, survey: Survey, error: MeasuredError) -> Pulse:
     exact = pulse.peak_velocity_error == 0.0
     peak = np.where(leads, error.amplitude, error.velocity)
     arrival = np.where(leads, error.arrival, error.of_passages(pulse.peak_velocity))
+    speed = _of_speed(pulse.speed, pulse.arrival, arrival, _rises(peak, pulse.peak_velocity))
     return replace(
         pulse,
         arrival_error=pulse.arrival_error + np.where(exact, 0.0, arrival),
         peak_velocity_error=pulse.peak_velocity_error + np.where(exact, 0.0, peak),
+        speed_error=pulse.speed_error + speed,
     )
 
 
@@ -135,12 +204,20 @@ def _of_character(character: Character, pulse: Pulse, error: MeasuredError) -> C
     """
     at = int(np.flatnonzero(pulse.bead == character.bead)[0])
     peak, arrival = float(pulse.peak_velocity_error[at]), float(pulse.arrival_error[at])
+    speed = float(pulse.speed_error[at])
     added = (peak - character.peak_velocity_error) / character.peak_velocity
+    ends = 2.0 * character.speed * float(_rises(added * character.peak_velocity, np.array(character.peak_velocity)))
     delayed = character.momentum * character.speed * (arrival - character.arrival_error)
     return replace(
         character,
         arrival_error=arrival,
         peak_velocity_error=peak,
+        speed_error=speed,
+        width_error=character.width_error + character.width * (speed - character.speed_error) / character.speed + ends,
+        residual_error=character.residual_error + added + error.velocity / character.peak_velocity,
+        speed_excess_error=character.speed_excess_error
+        + (1.0 + character.speed_excess) * ((speed - character.speed_error) / character.speed + added),
+        variation_error=character.variation_error + (2.0 + character.variation) * added,
         momentum_error=character.momentum_error + 2.0 * REACH * error.velocity + delayed,
         energy_error=character.energy_error + 2.0 * added * character.energy,
     )
@@ -161,7 +238,8 @@ def _of_energies(energies: EnergyShares, shared: Sharing, error: MeasuredError) 
     """Energies of chains and of their waves with the uncertainties of squares of velocities."""
     peak = shared.amplitude[energies.place]
     relative = 2.0 * np.divide(error.amplitude, peak, out=np.zeros_like(peak), where=peak > 0.0)
-    total = copy.copy(energies)
-    total.chain_error = energies.chain_error + relative * energies.chain
-    total.wave_error = energies.wave_error + relative * energies.wave
-    return total
+    return replace(
+        energies,
+        chain_error=energies.chain_error + relative * energies.chain,
+        wave_error=energies.wave_error + relative * energies.wave,
+    )

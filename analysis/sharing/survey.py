@@ -4,28 +4,31 @@ A run is given as a function that reads it again, block by block, so that it nee
 """
 
 import copy
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from analysis.columns import together
 from analysis.compare.common_times import near_the_front
 from analysis.conservation import energy_input
+from analysis.meters import Meter, Part, measured
 from analysis.shape.exact_wave import wave_of
 from analysis.shape.long_waves import LoadedSpeed
-from analysis.shape.waveforms import Passages, Shape, Waveforms, reach
-from analysis.sharing.energies import EnergyShares
+from analysis.shape.waveforms import Passages, Shape, WaveformMeter, Waveforms, reach
+from analysis.sharing.energies import EnergyShares, ShareMeter
 from analysis.sharing.equipartition import Sharing, runs_exact_waves, sharing
 from analysis.sharing.impulses import Impulses, meter_of
 from analysis.sharing.is_solitary import Character, Tolerances, characterise, measured_at
 from analysis.sharing.verdict import DecayFit, Verdict, fit_decay, verdict_on
 from analysis.tracking.leading_waves import (
     Arrival,
+    Lags,
     Waves,
     beyond_kicks,
+    lags,
     leading_waves,
     mirrored_waves,
     of_pulses,
@@ -33,20 +36,18 @@ from analysis.tracking.leading_waves import (
     speeds_of_pulses,
     usual_arrival,
 )
-from analysis.tracking.peaks import PeakFinder, Peaks
+from analysis.tracking.peaks import PeakMeter, Peaks
 from analysis.tracking.pulses import Pulse, Train, ahead_of_sound, track_pulses, train_of
 from analysis.tracking.succession import Change, changes
 from analysis.tracking.undisturbed import CLEAR, clear_of_ends, clear_of_others, once_each, returns
 from analysis.trajectory import (
     Flags,
+    Floats,
     Integers,
     Trajectory,
-    Watcher,
     along_the_way,
-    mirrored,
     mirrored_bead,
     mirrored_problem,
-    watch,
 )
 from lammps_inputs import Problem, physics
 
@@ -109,32 +110,28 @@ class Survey:
     @cached_property
     def peaks_upwards(self) -> Peaks:
         """Peaks of the waves towards higher bead numbers."""
-        peaks_upwards: Peaks = _seen("peaks_upwards", self)
-        return peaks_upwards
+        return PeakMeter(direction=1).read(self.read())
 
     @cached_property
     def peaks_downwards(self) -> Peaks:
         """Peaks of the waves towards lower bead numbers."""
-        peaks_downwards: Peaks = _seen("peaks_downwards", self)
-        return peaks_downwards
+        return PeakMeter(direction=-1).read(self.read())
 
     @cached_property
     def impulses(self) -> Impulses | None:
         """Impulses along the way of the leading waves; None where chains are not compared by them."""
-        impulses: Impulses | None = _seen("impulses", self)
-        return impulses
+        meter = meter_of(self.problem)
+        return None if meter is None else meter.read(self.read())
 
     @cached_property
-    def front(self) -> "_Front":
+    def front(self) -> "Front":
         """First bead of the front half of a window over time."""
-        front: _Front = _seen("front", self)
-        return front
+        return _FrontMeter().read(self.read())
 
     @cached_property
-    def end(self) -> "_End":
+    def end(self) -> "End":
         """Time of the last frame, and energy input until then."""
-        end: _End = _seen("end", self)
-        return end
+        return _EndMeter().read(self.read())
 
     @cached_property
     def tracks(self) -> tuple[Pulse, ...]:
@@ -163,6 +160,11 @@ class Survey:
     def waves(self) -> Waves:
         """Leading waves; beads as numbered in the scene. With kicks from both sides only what belongs to a pulse."""
         return speeds_of_pulses(self.passages, self.tracks, self.direction)
+
+    @cached_property
+    def lags(self) -> Lags:
+        """Arrivals of ``waves`` behind those in the kicked chain."""
+        return lags(self.waves, self.shared.kicked + 1)
 
     @cached_property
     def shared(self) -> Sharing:
@@ -222,15 +224,15 @@ class Survey:
         """Passages of leading waves and of pulses whose waveforms are kept."""
         return _passages(self.waves.where(self._chosen), self.direction, self.pulses, self._measured_at)
 
-    def _new_waveforms(self) -> Waveforms:
-        """Waveforms before any frame; energies are for pulses alone where beads are alike."""
+    def _waveform_meter(self) -> WaveformMeter:
+        """Meter of the waveforms; energies are for pulses alone where beads are alike."""
         leading = len(self._chosen) if physics.alike(self.problem.system) else 0
-        return Waveforms(self.problem, self._passages, np.arange(len(self._passages)) >= leading)
+        return WaveformMeter(self.problem, self._passages, np.arange(len(self._passages)) >= leading)
 
     @cached_property
     def waveforms(self) -> Waveforms:
         """Velocity over time around the passages of ``waves``, then of ``pulses``."""
-        return watch(self._new_waveforms(), self.read())
+        return self._waveform_meter().read(self.read())
 
     @cached_property
     def _shapes(self) -> Shape:
@@ -250,15 +252,17 @@ class Survey:
     @cached_property
     def energies(self) -> EnergyShares:
         """Shares of energy of the chains and their leading waves."""
-        read = self.read() if self.along is self.problem else map(mirrored, self.read())
-        return self._of_waves_alone(watch(EnergyShares(self.along, self.shared), read))
+        return self._of_waves_alone(self._share_meter().read(self.read()))
+
+    def _share_meter(self) -> ShareMeter:
+        return ShareMeter(self.along, self.shared)
 
     def _of_waves_alone(self, energies: EnergyShares) -> EnergyShares:
         """Energies of waves where no other pulse is near."""
         bead = self.shared.bead[energies.place]
         mixed = _of_others(bead, self.waves, self.pulses, self.problem, self.direction)
-        energies.wave[mixed] = energies.wave_error[mixed] = np.nan
-        return energies
+        wave, error = (np.where(mixed, np.nan, values) for values in (energies.wave, energies.wave_error))
+        return replace(energies, wave=wave, wave_error=error)
 
     def pulses_towards(self, direction: int, smallest: float) -> tuple[Pulse, ...]:
         """Pulses and crests of sound in one direction (1 or -1) that reach a velocity, in units of V."""
@@ -332,21 +336,39 @@ def survey(
     read: Callable[[], Iterable[Trajectory]],
     problem: Problem,
     *,
-    watchers: Sequence[Watcher] = (),
     tolerances: Tolerances | None = None,
     arrival: Arrival | None = None,
-    counted: Callable[[Trajectory], Trajectory] | None = None,
-    impulses: Impulses | None = None,
 ) -> Survey:
     """All parts of a survey, in two readings of a run.
 
     Args:
         read: starts reading the run: consecutive blocks of frames, the first frame being the start.
         problem: what was run.
-        watchers: shown every block once, as recorded.
         tolerances: within which a pulse counts as solitary.
         arrival: what counts as the arrival of a leading wave; by default `leading_waves.usual_arrival`.
-        counted: gives frames of all beads their exchange (`analysis.trajectory.EXCHANGES`) where they have none.
+
+    Raises:
+        ValueError: there was no frame.
+    """
+    return surveyed(read, problem, {}, tolerances=tolerances, arrival=arrival)[0]
+
+
+def surveyed(
+    read: Callable[[], Iterable[Trajectory]],
+    problem: Problem,
+    meters: Mapping[str, Meter[Any, Any]],
+    *,
+    tolerances: Tolerances | None = None,
+    arrival: Arrival | None = None,
+    counted: Callable[[Iterable[Trajectory]], Iterable[Trajectory]] | None = None,
+    impulses: Impulses | None = None,
+) -> tuple[Survey, dict[str, Any]]:
+    """All parts of a survey, and results of other meters by their names, in two readings of a run.
+
+    Args:
+        read, problem, tolerances, arrival: as for `survey`.
+        meters: what else to measure in the first reading.
+        counted: gives the frames of the first reading their exchange (`analysis.trajectory.EXCHANGES`).
         impulses: of rigid beads, along the way of the leading waves; else they are measured where chains are compared
             by them.
 
@@ -354,9 +376,16 @@ def survey(
         ValueError: there was no frame.
     """
     made = Survey(problem, read, usual_arrival(problem) if arrival is None else arrival, tolerances)
-    _first_reading(made, watchers, counted, impulses)
-    _second_reading(made)
-    return made.completed()
+    first = _first_meters(problem)
+    if impulses is not None:
+        vars(made)["impulses"] = impulses
+        first.pop("impulses", None)
+    blocks = made.read() if counted is None else counted(made.read())
+    results = measured({**first, **meters}, blocks)
+    vars(made).update({name: results.pop(name) for name in first})
+    of_waves = measured({"waveforms": made._waveform_meter(), "energies": made._share_meter()}, made.read())
+    vars(made).update(waveforms=of_waves["waveforms"], energies=made._of_waves_alone(of_waves["energies"]))
+    return made.completed(), results
 
 
 def _of_waves(shapes: Shape, chosen: Integers, sharp: Flags) -> Shape:
@@ -393,87 +422,66 @@ def _of_others(bead: Integers, waves: Waves, pulses: tuple[Pulse, ...], problem:
     return np.stack(near, axis=1)
 
 
-class _Front:
-    """First bead of the front half of a window over time."""
+@dataclass(frozen=True)
+class Front:
+    """First bead of the front half of a window over time.
 
-    def __init__(self) -> None:
-        self._time: list[float] = []
-        self._bead: list[int] = []
+    Attributes:
+        time: [part] time from which on it is there, in units of T.
+        bead: [part] number of the bead.
+    """
 
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames."""
-        self._time.append(float(block.time[0]))
-        self._bead.append(int(near_the_front(block).beads[0]))
-
-    def result(self) -> "_Front":
-        """Itself."""
-        return self
+    time: Floats
+    bead: Integers
 
     def near(self, peaks: Peaks) -> Peaks:
         """The maxima in the front half of the window, which those of complete chains agree with."""
-        since = np.searchsorted(self._time, peaks.time, side="right") - 1
-        return peaks.where(peaks.bead >= np.array(self._bead)[since])
+        since = np.searchsorted(self.time, peaks.time, side="right") - 1
+        return peaks.where(peaks.bead >= self.bead[since])
 
 
-class _End:
-    """Time of the last frame, in units of T, and energy input until then, in units of m V**2; NaN without frames."""
+class _FrontMeter(Meter[tuple[float, int], Front]):
+    """First bead of the front half of a window over time."""
 
-    def __init__(self) -> None:
-        self.time = self.energy = float("nan")
+    def of_part(self, part: Part) -> tuple[float, int]:
+        """Time of the first frame, and the bead."""
+        return float(part.frames.time[0]), int(near_the_front(part.frames).beads[0])
 
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames."""
-        self.time, self.energy = float(block.time[-1]), float(energy_input(block)[-1])
-
-    def result(self) -> "_End":
-        """Itself."""
-        return self
+    def result(self, pieces: list[tuple[float, int]]) -> Front:
+        """All of them."""
+        time, bead = zip(*pieces, strict=True)
+        return Front(np.array(time), np.array(bead))
 
 
-_READINGS: dict[str, Callable[[Problem], Any]] = {
-    "peaks_upwards": lambda _: PeakFinder(direction=1),
-    "peaks_downwards": lambda _: PeakFinder(direction=-1),
-    "front": lambda _: _Front(),
-    "end": lambda _: _End(),
-    "impulses": meter_of,
-}
-"""Part of a survey -> what it is read by from the frames, for a problem; None where there is none."""
+class End(NamedTuple):
+    """Time of the last frame, in units of T, and energy input until then, in units of m V**2."""
+
+    time: float
+    energy: float
 
 
-def _seen(part: str, of: Survey) -> Any:
-    """A part of a survey that is read from the frames for itself; None where there is none."""
-    reader = _READINGS[part](of.problem)
-    return None if reader is None else watch(reader, of.read()).result()
+class _EndMeter(Meter[End, End]):
+    """Time of the last frame, and energy input until then."""
+
+    def of_part(self, part: Part) -> End:
+        """That of the part."""
+        return End(float(part.frames.time[-1]), float(energy_input(part.frames)[-1]))
+
+    def result(self, pieces: list[End]) -> End:
+        """That of the last part."""
+        return pieces[-1]
 
 
-def _first_reading(
-    made: Survey,
-    watchers: Sequence[Watcher],
-    counted: Callable[[Trajectory], Trajectory] | None,
-    impulses: Impulses | None,
-) -> None:
-    """Read all parts of a survey at once that `_READINGS` has, and show the run to watchers; see `survey`."""
-    problem = made.problem
-    readers = {part: reader for part, new in _READINGS.items() if (reader := new(problem)) is not None}
-    if impulses is not None:
-        vars(made)["impulses"] = impulses
-        readers.pop("impulses", None)
-    counts = counted if physics.exchanges(problem.system) and problem.rows.complete else None
-    for block in made.read():
-        if counts is not None and block.exchange is None:
-            block = counts(block)
-        for watcher in (*watchers, *readers.values()):
-            watcher.add(block)
-    vars(made).update({part: reader.result() for part, reader in readers.items()})
-
-
-def _second_reading(made: Survey) -> None:
-    """Read waveforms of passages and shares of energy along the way of the leading waves at once."""
-    waveforms, energies = made._new_waveforms(), EnergyShares(made.along, made.shared)
-    for block in made.read():
-        waveforms.add(block)
-        energies.add(block if made.along is made.problem else mirrored(block))
-    vars(made).update(waveforms=waveforms, energies=made._of_waves_alone(energies))
+def _first_meters(problem: Problem) -> dict[str, Meter[Any, Any]]:
+    """Part of a survey -> what measures it in a first reading of the frames."""
+    meters: dict[str, Meter[Any, Any]] = {
+        "peaks_upwards": PeakMeter(direction=1),
+        "peaks_downwards": PeakMeter(direction=-1),
+        "front": _FrontMeter(),
+        "end": _EndMeter(),
+    }
+    impulses = meter_of(problem)
+    return meters if impulses is None else meters | {"impulses": impulses}
 
 
 def _characters(
@@ -496,8 +504,8 @@ def _clear_of_ends(pulses: tuple[Pulse, ...], waves: Waves, direction: int, prob
 def _passages(waves: Waves, direction: int, pulses: tuple[Pulse, ...], at: list[int]) -> Passages:
     """Passages of leading waves, followed by one of each pulse, at its position in ``at``."""
     directions = np.full(len(waves), direction)
-    leading = waves.chain, waves.bead, waves.time, waves.peak_velocity, waves.speed, directions, waves.arrival_error
-    parts = [Passages(*leading)]
+    leading = waves.chain, waves.bead, waves.time, waves.peak_velocity, waves.speed, directions
+    parts = [Passages(*leading, waves.arrival_error, waves.peak_velocity_error, waves.speed_error)]
     for pulse, k in zip(pulses, at, strict=True):
         passage = pulse.where([k])
         parts.append(
@@ -509,6 +517,8 @@ def _passages(waves: Waves, direction: int, pulses: tuple[Pulse, ...], at: list[
                 speed=passage.speed,
                 direction=np.array([pulse.direction]),
                 arrival_error=passage.arrival_error,
+                peak_velocity_error=passage.peak_velocity_error,
+                speed_error=passage.speed_error,
             )
         )
     return together(parts)

@@ -3,13 +3,13 @@
 With kicks both ways not every first maximum of a bead is the leading pulse's (`leading_passages`). `succession` finds
 where one leading pulse ends and another one leads.
 
-Plug-ins take this module for the leading pulses: `Waves` is the table that a survey has, `leading_finder` and
+Plug-ins take this module for the leading pulses: `Waves` is the table that a survey has, `leading_meter` and
 `leading_passages` give its maxima alone, `usual_arrival` the definition of an arrival.
 
 Examples:
     >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
     >>> frames = engine.run(problem)
-    >>> peaks = watch(leading_waves.leading_finder(problem), frames.blocks()).result()
+    >>> peaks = leading_waves.leading_meter(problem).read(frames.blocks())
     >>> leading_waves.leading_passages(peaks, problem).time[:3].round(3)  # at beads 1 to 3, in units of T
     array([0.   , 1.883, 3.121])
     >>> leading_waves.usual_arrival(problem)
@@ -17,14 +17,14 @@ Examples:
 """
 
 from dataclasses import replace
-from typing import Literal, Self
+from typing import Literal, NamedTuple, Self
 
 import numpy as np
 
 from analysis.columns import Columns
 from analysis.quantity import declare, declared, in_units, result
-from analysis.tracking.peaks import PeakFinder, Peaks
-from analysis.tracking.pulses import Pulse, local_speed, track_pulses
+from analysis.tracking.peaks import PeakMeter, Peaks
+from analysis.tracking.pulses import Pulse, local_speed, local_speed_error, track_pulses
 from analysis.tracking.succession import Change, changes, numbers
 from analysis.trajectory import Flags, Floats, Integers, mirrored_bead
 from lammps_inputs import Problem, physics
@@ -70,6 +70,11 @@ class Waves(Columns):
         "bound on the error of the peak velocity by the time between frames and by the run (``run_error``)",
         "velocity",
         "the motion of rigid beads follows rounding there",
+    )
+    speed_error: Floats = declare(
+        "bound on the error of the speed by those of the arrivals and by the run (``run_error``)",
+        "speed",
+        "so is the speed, an error of an arrival is, or these errors exceed the time between the arrivals",
     )
     time: Floats
     """Time at which the bead is fastest, in units of T, whether or not that is sharp."""
@@ -180,9 +185,15 @@ def leading_waves(
     time, error = (first.time, first.time_error) if at_maximum else (first.centre, first.centre_error)
     defined = np.where(np.isfinite(error), time, np.nan)
     number = numbers(first, changes(passages, problem) if succession is None else succession, problem)
-    waves = with_speeds(first.chain, first.bead, defined, first.velocity, number, direction=first.direction)
-    speed = np.where(_begins_within(first, problem), np.nan, waves.speed)
-    return replace(waves, speed=speed, time=first.time, arrival_error=error, peak_velocity_error=first.velocity_error)
+    waves = with_speeds(first.chain, first.bead, defined, first.velocity, number, error, direction=first.direction)
+    waves = replace(waves, time=first.time, peak_velocity_error=first.velocity_error)
+    return _without_speeds(waves, _begins_within(first, problem))
+
+
+def _without_speeds(waves: Waves, undefined: Flags) -> Waves:
+    """Waves whose speeds are NaN where a mask, [wave], says so."""
+    speed, error = (np.where(undefined, np.nan, values) for values in (waves.speed, waves.speed_error))
+    return replace(waves, speed=speed, speed_error=error)
 
 
 def _begins_within(first: Peaks, problem: Problem) -> Flags:
@@ -210,7 +221,7 @@ def speeds_of_pulses(waves: Waves, pulses: tuple[Pulse, ...], direction: int) ->
             number[(waves.chain == pulse.chain) & np.isin(waves.time, pulse.arrival)] = each
     changes = (np.diff(waves.chain) == 0) & (np.diff(number) != 0) & (number[1:] >= 0) & (number[:-1] >= 0)
     beside = np.append(changes, False) | np.insert(changes, 0, False)
-    return replace(waves, speed=np.where(beside, np.nan, waves.speed)) if np.any(beside) else waves
+    return _without_speeds(waves, beside) if np.any(beside) else waves
 
 
 def with_speeds(
@@ -219,10 +230,11 @@ def with_speeds(
     arrival: Floats,
     peak_velocity: Floats,
     pulse: Integers | None = None,
+    arrival_error: Floats | None = None,
     *,
     direction: int = 1,
 ) -> Waves:
-    """Waves whose local speeds follow from their arrivals, without errors; entries are sorted by chain, then bead.
+    """Waves whose local speeds follow from their arrivals; entries are sorted by chain, then bead.
 
     A speed is that of one pulse between beads that it passed one after the other, else NaN.
 
@@ -232,22 +244,45 @@ def with_speeds(
         arrival: [wave] in units of T.
         peak_velocity: [wave] in units of V.
         pulse: [wave] number of the pulse in its chain; by default one pulse leads everywhere.
+        arrival_error: [wave] bound on the error of the arrival, in units of T; unknown by default.
         direction: 1 towards higher bead numbers, -1 towards lower ones.
 
     Returns:
-        The waves, in units of V and T; errors are NaN.
+        The waves, in units of V and T; errors that are not known are NaN.
     """
-    number, speed = np.ones(len(chain), dtype=np.int64) if pulse is None else pulse, np.full(len(chain), np.nan)
+    unknown = np.full(len(chain), np.nan)
+    number = np.ones(len(chain), dtype=np.int64) if pulse is None else pulse
+    error = unknown if arrival_error is None else arrival_error
+    speed, speed_error = unknown.copy(), unknown.copy()
     for each in np.unique(chain):
         in_chain = chain == each
-        speed[in_chain] = direction * local_speed(bead[in_chain], arrival[in_chain])
-    unknown = np.full(len(chain), np.nan)
-    waves = Waves(chain, bead, number, arrival, peak_velocity, speed, unknown, unknown, time=arrival)
+        along, passed = bead[in_chain], arrival[in_chain]
+        speed[in_chain] = direction * local_speed(along, passed)
+        speed_error[in_chain] = local_speed_error(along, passed, error[in_chain])
+    waves = Waves(chain, bead, number, arrival, peak_velocity, speed, error, unknown, speed_error, time=arrival)
     backward = np.flatnonzero((np.diff(chain) == 0) & (direction * np.diff(arrival) <= 0.0))
+    undefined = speed <= 0.0  # past a bead without an arrival
     for last in (waves.ends, backward):
-        speed[last], speed[last + 1] = np.nan, np.nan
-    speed[speed <= 0.0] = np.nan  # past a bead without an arrival
-    return waves
+        undefined[last] = undefined[last + 1] = True
+    return _without_speeds(waves, undefined)
+
+
+class Lags(NamedTuple):
+    """Arrivals behind those in one chain at the same beads, [wave] in units of T, and bounds on their errors."""
+
+    value: Floats
+    error: Floats
+
+
+def lags(waves: Waves, chain: int) -> Lags:
+    """Arrivals behind those in a chain; NaN where that was not reached, errors 0 in that chain itself."""
+    reference = waves.of_chain(chain)
+    place = {bead: k for k, bead in enumerate(reference.bead.tolist())}
+    at = np.array([place.get(bead, -1) for bead in waves.bead.tolist()], dtype=np.int64)
+    of_reference = [np.append(values, np.nan)[at] for values in (reference.arrival, reference.arrival_error)]
+    error = np.where(waves.chain == chain, 0.0, waves.arrival_error + of_reference[1])
+    value = waves.arrival - of_reference[0]
+    return Lags(value, np.where(np.isnan(value), np.nan, error))
 
 
 def mirrored_waves(waves: Waves, problem: Problem) -> Waves:
@@ -261,16 +296,16 @@ def opposed(problem: Problem) -> bool:
     return any(velocity * problem.direction < 0.0 for _, _, velocity in physics.excitations(problem.system))
 
 
-def leading_finder(problem: Problem) -> PeakFinder:
-    """Finder of the maxima that `leading_passages` chooses from."""
-    return PeakFinder(first_only=not opposed(problem))
+def leading_meter(problem: Problem) -> PeakMeter:
+    """Meter of the maxima that `leading_passages` chooses from."""
+    return PeakMeter(first_only=not opposed(problem))
 
 
 def leading_passages(peaks: Peaks, problem: Problem) -> Peaks:
     """Maxima of a run that may be the leading pulse's: all, or a few with kicks in both directions.
 
     Args:
-        peaks: maxima that `leading_finder` found.
+        peaks: maxima that `leading_meter` found.
         problem: what was run.
 
     Returns:

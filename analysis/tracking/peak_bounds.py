@@ -3,340 +3,64 @@
 Where all beads are recorded, the equation of motion gives acceleration and its rate at each frame; velocity and its
 first two derivatives at the two frames around a maximum fix a polynomial of degree five, and with displacement one of
 degree six. Where only some beads are recorded, that degree comes from displacement and velocity at four frames. What a
-polynomial of a lower degree gives instead shows how uncertain that is.
-
-Contacts and walls that close or open near a frame exert forces that no polynomial follows (`kinks`). A force that
-begins as a power of time, ``(t - a)**power`` from a on, is fitted between two frames like any other, with velocity and
-its first two derivatives at both. How far that is off depends on the power and on where it begins only.
-
-Where the force of a dashpot jumps, the velocities of its beads have a kink, and so has the force of every other dashpot
-of these beads; that of a spring has one in its slope. These forces begin with powers that are larger by one and by two,
-at beads whose contacts all stay closed, too (`_passed_on`).
+polynomial of a lower degree gives instead shows how uncertain that is; `kinks` adds what no polynomial follows. Where
+the slope of a polynomial may be negative, but is not for certain, there may be a maximum before the next one
+(`crossings`); such brackets are not certain, and extend the errors of the maximum that follows.
 """
 
-import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache, partial
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from analysis import hermite, motion
 from analysis.columns import Columns
+from analysis.tracking import crossings
+from analysis.tracking.kinks import SAMPLES, kinks
 from analysis.trajectory import Flags, Floats, Integers, Trajectory
-from lammps_inputs import Problem, laws, physics
-from lammps_inputs.laws import dashpot
+from lammps_inputs import physics
 from lammps_inputs.limits import rates
-from lammps_inputs.links import Across, partners
 from lammps_inputs.loads import Load, Motion
 
-Forces = Iterator[tuple[float, Floats]]
+FAR_APART = {"verlet": (2.7, 1.0 / 3.0), "suzuki4": (2.0, 2.0 / 3.0)}
+"""Time between frames from which on displacements improve a polynomial, by scheme of LAMMPS: a factor on a power of
+the time of a cycle, all in the time scale of the fastest motion. Nearer together they may harm: velocity Verlet's
+velocities differ from the slope of its displacements by ``timestep**2 / 6`` times the jerk.
 
-FARTHEST = 3.0
-"""Frames before the first of the two from which on a beginning is followed."""
-
-NEAREST = 1e-4
-"""Distance, in frames, of a beginning from the frame that sees it; nearer ones are taken to be there."""
-
-DOUBT = (0.7, 1.0, 1.4)
-"""Factors on the distance of a beginning, which follows from the overlap and its rate at the frame that sees it."""
-
-MARGIN = 1.1
-"""Factor on errors, for the finite number of samples in tables and for a rate that is taken to be constant."""
-
-
-def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -> Floats:
-    """Bounds on the errors of beads' velocities between a frame and the next, and of their slopes, [0 or 1, bead].
-
-    Errors are those by forces that no polynomial follows, in units of V; slopes are per frame.
-
-    Args:
-        block: frames.
-        start: [bead] position of the first of the two frames.
-        chain, bead: [bead] positions of the beads in the block, all of which are recorded.
-    """
-    off = _begun(block, start, chain, bead)
-    return off if physics.contact_loss(block.problem.system) is None else off + _passed_on(block, start, chain, bead)
-
-
-def _passed_on(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -> Floats:
-    """Errors as in `kinks` by what begins at beads and their neighbours, through the dashpots and springs of a bead."""
-    mass = physics.mass_of(block.problem.system, chain, block.first - 1 + bead)
-    off, at_bead = np.zeros((2, len(start))), [_begun(block, start, chain, bead, more) for more in (1, 2)]
-    for line, other, resistance, stiffness in _beside_bead(block, start, chain, bead):
-        for more, factor in ((1, resistance), (2, stiffness)):
-            if np.any(factor):
-                at_other = _begun(block, start, line, other, more)
-                off += factor * block.spacing**more / mass * (at_bead[more - 1] + at_other)
-    return off
-
-
-def _beside_bead(
-    block: Trajectory, start: Integers, chain: Integers, bead: Integers
-) -> Iterator[tuple[Integers, Integers, Floats, Floats]]:
-    """Chain and position of a neighbour, and resistance and stiffness of the link with it, each [bead]; 0 where none.
-
-    The neighbour of a bead at a wall is the bead itself.
-    """
-    problem, place = block.problem, block.first - 1 + bead
-    system = problem.system
-    at = np.stack([start, np.minimum(start + 1, block.frames - 1)])
-    x = block.displacement[at, chain, bead]
-
-    def link(exists: Flags, law: Any, loss: Any, index: Any, strain: Floats) -> tuple[Floats, Floats]:
-        """Largest resistance and stiffness at both frames, [passage], 0 without a link; ``index`` is of its dashpot."""
-        both = dashpot.resistance(laws.at(loss, *index), strain), laws.stiffness(law, strain)
-        first, second = (np.where(exists, np.abs(values).max(axis=0), 0.0) for values in both)
-        return first, second
-
-    for side in (-1, 1):
-        has_contact = (bead + side >= 0) & (bead + side < block.velocity.shape[2])
-        other = np.where(has_contact, bead + side, bead)
-        contact = np.clip(np.minimum(place, place + side), 0, problem.beads - 2)
-        strain = side * (x - block.displacement[at, chain, other]) - physics.gap(system)
-        law = motion.contact_law(block, system.along[0], at, chain, contact)
-        yield chain, other, *link(has_contact, law, physics.contact_loss(system), (chain, contact), strain)
-    for wall in physics.walls(system):
-        law = motion.contact_law(block, wall, at, chain, place)
-        has_contact = place == (problem.beads - 1 if wall.side > 0.0 else 0)
-        loss = physics.wall_loss(system, wall.side)
-        yield chain, bead, *link(has_contact, law, loss, (chain, place), wall.strain(x))
-    none, dampers = np.zeros(len(bead)), [link for link in system.dampers if isinstance(link, Across)]
-    for across in (*system.couplings, *(link for link in dampers if not system.is_tie(link))):
-        for side in (-1, 1):
-            for edge, partner in partners(across.edges, system.chains, side):
-                law, strain = laws.at(across.law, edge[chain], place), x - block.displacement[at, partner[chain], bead]
-                exists = edge[chain] >= 0
-                if any(across is damper for damper in dampers):
-                    yield partner[chain], bead, np.where(exists, dashpot.resistance(law, none), 0.0), none
-                else:
-                    stiffness = np.abs(laws.stiffness(law, strain)).max(axis=0)
-                    yield partner[chain], bead, none, np.where(exists, stiffness, 0.0)
-
-
-def _begun(block: Trajectory, start: Integers, chain: Integers, bead: Integers, integrations: int = 0) -> Floats:
-    """Errors as in `kinks` by forces that begin at the beads themselves.
-
-    Args:
-        block: frames.
-        start: [bead] position of the first of the two frames.
-        chain, bead: [bead] positions of the beads in the block.
-        integrations: number of integrations over time, in frames, after which a force acts on the bead.
-    """
-    problem, place = block.problem, block.first - 1 + bead
-    system = problem.system
-    at = np.stack([start, np.minimum(start + 1, block.frames - 1)])  # [frame, bead], as what is made with it
-    x, v = (values[at, chain, bead] for values in (block.displacement, block.velocity))
-    off = np.zeros((2, len(start)))
-
-    def acceleration(position: Integers) -> Floats:
-        """Acceleration of beads at positions [bead], [frame, bead]."""
-        return motion.acceleration_and_rate(block, at, chain, position)[0]
-
-    for side in (-1, 1):
-        has_contact = (bead + side >= 0) & (bead + side < block.velocity.shape[2])
-        other, contact = np.where(has_contact, bead + side, bead), np.minimum(place, place + side)
-        overlap = side * (x - block.displacement[at, chain, other]) - physics.gap(system)
-        overlap += motion.rest_overlap(system, chain, contact)
-        closing = side * (v - block.velocity[at, chain, other])
-        contact = np.clip(contact, 0, problem.beads - 2)
-        forces = partial(_of_contacts, problem, chain, contact)
-        law = motion.contact_law(block, system.along[0], at, chain, contact)
-        off += np.where(has_contact, _pressing(law, forces, integrations, overlap, closing, block.spacing), 0.0)
-        if loss := _cutting(physics.contact_loss(system), chain, contact):
-            states = np.stack([overlap, closing, side * (acceleration(bead) - acceleration(other))])
-            off += np.where(has_contact, _cut(law, loss, states, block.spacing, integrations), 0.0)
-    for wall in physics.walls(system):
-        law = motion.contact_law(block, wall, at, chain, place)
-        has_contact = place == (problem.beads - 1 if wall.side > 0.0 else 0)
-        overlap, closing = wall.strain(x) + laws.rest(law), wall.rate(v)
-        forces = partial(_of_wall, law, physics.wall_loss(system, wall.side), chain, place)
-        off += np.where(has_contact, _pressing(law, forces, integrations, overlap, closing, block.spacing), 0.0)
-        if loss := _cutting(physics.wall_loss(system, wall.side), chain, place):
-            states = np.stack([overlap, closing, wall.rate(acceleration(bead))])
-            off += np.where(has_contact, _cut(law, loss, states, block.spacing, integrations), 0.0)
-    for ground in physics.ground_springs(system):
-        if laws.varies(ground.law) and not integrations:
-            off += _bent(laws.at(ground.law, chain, place), np.abs(x).max(axis=0), block.time[at])
-    return np.asarray(off / physics.mass_of(system, chain, place))
-
-
-def _pressing(law: Any, forces: Callable[[Floats, Floats], Forces], integrations: int, *motions: Any) -> Floats:
-    """Errors as in `_begun` by contacts that open or close, those that yield included."""
-    return _by_yielding(law, *motions) if laws.has_state(law) else _by(forces, integrations, *motions)
-
-
-def _cutting(loss: Any, *index: Any) -> Any:
-    """The law of chosen dashpots where they cut tension, else None."""
-    return laws.at(loss, *index) if loss is not None and dashpot.cut(loss) else None
-
-
-def _bent(law: Any, strain: Floats, time: Floats) -> Floats:
-    """Errors as in `kinks` by springs whose stiffness begins or ceases to change; ``time`` is [frame, bead]."""
-    spacing = time[1] - time[0]
-    begins, jumps = [], []
-    for bend in law.bends:
-        if not np.any((time[0] <= bend) & (bend <= time[1])):
-            continue
-        before, after = (law.now(np.full_like(strain, at)) for at in (np.nextafter(bend, -np.inf), bend))
-        jump = after.change(strain, *after) - before.change(strain, *before)
-        begins.append((bend - time[0]) / spacing)
-        jumps.append(np.where((time[0] <= bend) & (bend <= time[1]), jump * spacing, 0.0))
-    if not jumps:
-        return np.zeros((2, len(strain)))
-    begin, each = np.array(begins), np.array(jumps)
-    return np.asarray(MARGIN * spacing * _missed(lambda s: (each * _since(s, begin, 1.0)).sum(axis=1)))
-
-
-def _by(
-    forces: Callable[[Floats, Floats], Forces], integrations: int, overlap: Floats, closing: Floats, spacing: float
-) -> Floats:
-    """Errors as in `_begun` by forces on beads with these overlaps, and their rates, at both frames, [frame, bead]."""
-    pressed, rate = overlap > 0.0, np.abs(closing)
-    between = pressed[0] != pressed[1]
-    # what has just closed before the first frame, and what will soon open after the second
-    near = pressed & (between | (np.array([[1.0], [-1.0]]) * closing > 0.0)) & (rate > 0.0)
-    away = np.where(near, overlap / np.where(near, rate * spacing, 1.0), np.inf).min(axis=0)
-    fastest: Floats = rate.max(axis=0)
-    acting = forces(fastest * spacing, fastest)
-    errors = (force * unfollowed(power, away, between, integrations) for power, force in acting)
-    return np.asarray(spacing * sum(errors))
-
-
-def _cut(elastic: Any, loss: Any, states: Floats, spacing: float, integrations: int = 0) -> Floats:
-    """Errors as in `_begun` where tensile dashpot forces begin or cease to be cut between frames, with a kink.
-
-    Args:
-        elastic, loss: laws of the contacts, at each bead.
-        states: overlap, and its first and second derivative, [derivative, frame, bead].
-        spacing: time between the frames, in units of T.
-        integrations: as in `_begun`.
-    """
-    overlap, rate, quickening = states
-    strain = overlap - laws.rest(elastic)
-    gone = dashpot.lets_go(loss, strain, rate) | (overlap <= 0.0)
-    force = laws.whole_force(elastic, overlap) + dashpot.damping(loss, strain, rate)
-    slope = laws.stiffness(elastic, strain) * rate + dashpot.change(loss, strain, rate, quickening)
-    force, slope = (np.where(gone, 0.0, np.abs(values)).max(axis=0) for values in (force, slope * spacing))
-    between = gone[0] != gone[1]
-    away = np.where(between & (slope > 0.0), force / np.where(slope > 0.0, slope, 1.0), np.inf)
-    return np.asarray(spacing * slope * unfollowed(1.0, away, between, integrations))
-
-
-def _by_yielding(law: Any, overlap: Floats, closing: Floats, spacing: float) -> Floats:
-    """Errors as in `kinks` by contacts that yield; the law has their states at both frames.
-
-    They open at the permanent overlap, and their stiffness jumps where unloading begins or first loading continues.
-    """
-    permanent, state, turning = law.permanent(*law), laws.contact_state(law), laws.turning_overlap(law)
-    errors = _by(partial(_of_unloading, laws.at_state(law, state[1])), 0, overlap - permanent, closing, spacing)
-    loads = laws.loading(law, overlap, closing)
-    ends, goes_on = loads[0] & ~loads[1], loads[1] & ~loads[0]
-    law = laws.at_state(law, np.where(ends, state[1], state[0]))
-    strain = laws.turning_overlap(law) - laws.rest(law)
-    up, down = (laws.stiffness(laws.on_branch(law, sign), strain) for sign in (1.0, -1.0))
-    jump, fastest, turn = np.abs(up - down), np.abs(closing).max(axis=0), np.abs(closing[0] - closing[1])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        since_top = np.nan_to_num(np.abs(closing[1]) / turn)
-        since_turning = np.nan_to_num((overlap[1] - turning[0]) / (fastest * spacing))
-    jumped = 0.5 * jump * turn * spacing * unfollowed(2.0, np.where(ends, since_top, np.inf), ends)
-    jumped += jump * fastest * spacing * unfollowed(1.0, np.where(goes_on, since_turning, np.inf), goes_on)
-    return np.asarray(errors + spacing * jumped)
-
-
-def _of_unloading(law: Any, overlap: Floats, _rate: Floats) -> Forces:
-    """Exponent in time and force of contacts that have yielded, as `_of_contacts`; overlap beyond the permanent one."""
-    begins = law.permanent(*law)
-    small, large = (np.max(laws.whole_force(law, begins + much)) for much in (1e-6, 2e-6))
-    if small > 0.0:  # else of walls that none of these beads meets
-        yield round(float(np.log2(large / small)), 2), laws.whole_force(law, begins + overlap)
-
-
-def _of_contacts(problem: Problem, chain: Integers, contact: Integers, overlap: Floats, rate: Floats) -> Forces:
-    """Exponent in time with which each force of contacts begins, and the force at this overlap and rate, [bead]."""
-    system = problem.system
-    yield physics.exponent(system) or 1.5, motion.contact_force(system, overlap, chain, contact)
-    loss: Any = physics.contact_loss(system)
-    if loss is not None:
-        yield _of_dashpot(laws.at(loss, chain, contact)._replace(rest=0.0), overlap, rate)
-
-
-def _of_wall(law: Any, loss: Any, chain: Integers, bead: Integers, overlap: Floats, rate: Floats) -> Forces:
-    """Exponent in time with which each force of a wall begins, and the force at this overlap and rate, [bead]."""
-    power = laws.exponent(law)
-    yield power or 1.5, laws.whole_force(law, overlap) if power is None else law.strength * overlap**power
-    if loss is not None:
-        yield _of_dashpot(laws.at(loss, chain, bead)._replace(rest=0.0), overlap, rate)
-
-
-def _of_dashpot(law: Any, overlap: Floats, rate: Floats) -> tuple[float, Floats]:
-    single, double = (float(np.max(dashpot.resistance(law, np.float64(much)))) for much in (1.0, 2.0))
-    power = float(np.log2(double / single)) if single > 0.0 else 0.0
-    return power, dashpot.resistance(law, overlap) * rate
-
-
-def unfollowed(power: float, away: Floats, between: Flags, integrations: int = 0) -> Floats:
-    """Errors of velocity, and of its slope, by a force that is ``time**power`` after it begins, [0 or 1, ...].
-
-    Times are in frames. The errors are the largest over the factors of `DOUBT`.
-
-    Args:
-        power: exponent of time; 0 for a force that jumps.
-        away: [...] distance of the beginning from the frame that sees it; inf where no force begins.
-        between: [...] whether the beginning is between the two frames, else before both.
-        integrations: number of integrations over time after which the force acts.
-    """
-    worst = np.zeros((2, *np.shape(away)))
-    for factor in DOUBT:
-        distance = np.clip(factor * away, NEAREST, None)
-        begin = np.where(between, 1.0 - np.minimum(distance, 1.0), -distance)
-        grid, *errors = _table(power + integrations)
-        for k, error in enumerate(errors):
-            worst[k] = np.fmax(worst[k], np.interp(begin, grid, error, left=0.0))
-    return MARGIN * worst / math.prod(power + k for k in range(1, integrations + 1))
-
-
-@lru_cache
-def _table(power: float) -> tuple[Floats, Floats, Floats]:
-    """Beginnings of forces, in frames, and the errors of velocity and slope by them, each [beginning]."""
-    near = np.geomspace(NEAREST, 0.5, 60)
-    begin = np.concatenate([-np.geomspace(FARTHEST, NEAREST, 100), near, 1.0 - near[::-1]])
-
-    return begin, *_missed(lambda s: _since(s, begin, power))
-
-
-def _since(s: float, begin: Floats, power: float) -> Floats:
-    """Velocity, force and its rate at a time, of a force that begins as a power, [3, ...]."""
-    since = np.maximum(s - begin, 0.0)
-    on = s >= begin
-    rate = np.where(on & (power > 0.0), power * np.where(since > 0.0, since, 1.0) ** (power - 1.0), 0.0)
-    return np.array([since ** (power + 1.0) / (power + 1.0), np.where(on, since**power, 0.0), rate])
-
-
-def _missed(states: Callable[[float], Floats]) -> Floats:
-    """Largest errors of velocity and of its slope by a fit to states at 0 and 1, [0 or 1, ...]."""
-    fitted = hermite.coefficients((0, 1), np.array([states(0.0), states(1.0)]), 1.0)
-    slope = hermite.derivative(fitted)
-    worst = np.zeros((2, *fitted.shape[1:]))
-    for s in np.linspace(0.0, 1.0, _SAMPLES_OF_FORCE).tolist():
-        at = np.full(fitted.shape[1:], s)
-        velocity, force, _ = states(s)
-        worst[0] = np.fmax(worst[0], np.abs(hermite.value(fitted, at) - velocity))
-        worst[1] = np.fmax(worst[1], np.abs(hermite.value(slope, at) - force))
-    return worst
-
-
-FAR_APART = 0.5
-"""Time between frames from which on displacements help to find a maximum, in units of T. Nearer together they harm:
-velocity Verlet's velocities differ from the slope of its displacements by ``timestep**2 / 6`` times the jerk.
+Measured in chains, coupled ones, dimers and chains under a load, at steps from 0.003 to 0.05: errors of arrivals by
+displacements are some ``0.9 timestep**2 / spacing`` with velocity Verlet and ``0.06 cycle**4 / spacing`` with Suzuki's
+scheme, those by velocities alone some ``1e-3 spacing**5``.
 """
+
+FARTHEST_APART = 0.5
+"""Time between frames, in units of T, from which on displacements are used at any time step: where that is so long that
+they harm, the error of the run is larger.
+"""
+
+NEAR = 0.2
+"""Time between frames, in the time scale of the fastest motion, up to which displacements do not help: the reference's
+velocities differ from the slope of its displacements by some ``1e-9`` V, and arrivals by ``2e-8 / spacing``.
+"""
+
+QUICK = 0.5
+"""Time between frames, in the time scale of the fastest motion, from which on that is short."""
+
+DISTINCT = 0.25
+"""Change of a polynomial by displacements, over the one that velocity Verlet makes, below which both are distinct."""
+
+AGREEING = 0.25
+"""Share of the bound of a polynomial by velocities that is left where displacements agree with it."""
 
 FREQUENCY = 2.5
 """Largest angular frequency of a Hertz chain without load after a kick of V, in units of 1 / T."""
 
 FLOOR = 1e-9
 """Error that rounding and bisection leave, in the wave's own time and in V."""
+
+ROUNDING = 1e-12
+"""Slopes below this, in V per frame, may be rounding."""
 
 HARDENING = 2.0
 """Exponent of contacts above which waves are clearly shorter in time than Hertz's."""
@@ -348,120 +72,180 @@ _POWERS = 7
 
 _SAMPLES = 9
 
-_SAMPLES_OF_FORCE = 65
-
 
 @dataclass(frozen=True)
 class Brackets(Columns):
-    """Maxima between frames: a polynomial of velocity for each, and the piece of it where the maximum lies."""
+    """Maxima between frames: a polynomial of velocity for each, and the pieces of it where the maximum lies.
+
+    Those that may not exist are there, too; they are `certain` where the slope becomes negative for certain.
+    """
 
     chain: Integers
     bead: Integers
     origin: Floats
     spacing: Floats
-    low: Floats
-    high: Floats
+    places: Floats
+    """Where the slope may fall to zero first, where that of the polynomial does, and where it has fallen for certain:
+    lower and upper end of each, [place, end, maximum] in s = (time - origin) / spacing."""
+    certain: Flags
     overlap: Floats
     displacement: Floats
     """Displacement at the origin, [maximum] in units of L."""
     velocity: Floats
-    """[power, maximum] in s = (time - origin) / spacing."""
-    doubt: Floats
-    """How far ``velocity`` may be off: a share of its difference from one of another degree, [power, maximum]."""
-    kink: Floats
-    """How far ``velocity`` and its slope may be off by forces that no polynomial follows, [0 or 1, maximum]."""
-    beside: Floats
-    """How far the velocity on the other side of the largest frame may exceed that frame's by such forces, [maximum]."""
+    """[power, maximum] in s."""
+    off: Floats
+    """How far ``velocity`` and its slope may be off, [0 or 1, maximum]."""
     forces_known: Flags
     """Whether frames determine the forces on all beads."""
+    direction: int
+    """1 where velocities are towards higher bead numbers, -1 towards lower ones."""
+
+    def first_certain(self) -> Flags:
+        """Mask, [maximum], of those of each bead up to the first one that is certain."""
+        order = np.lexsort((self.origin + self.places[1, 0] * self.spacing, self.bead, self.chain))
+        certain = self.certain[order].astype(np.int64)
+        number = np.cumsum(certain) - certain
+        chain, bead = self.chain[order], self.bead[order]
+        new = np.ones(len(order), dtype=bool)
+        new[1:] = (chain[1:] != chain[:-1]) | (bead[1:] != bead[:-1])
+        at_first = np.maximum.accumulate(np.where(new, number, -1))
+        chosen = np.zeros(len(order), dtype=bool)
+        chosen[order[number == at_first]] = True
+        return chosen
 
 
-def no_maxima() -> Brackets:
+def no_maxima(direction: int) -> Brackets:
     """Brackets of no maximum, to which others are added."""
     integers, values, polynomial = np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros((_POWERS, 0))
     pairs, mask = np.zeros((2, 0)), np.zeros(0, dtype=bool)
+    places = np.zeros((3, 2, 0))
     return Brackets(
-        integers, integers, values, values, values, values, values, values, polynomial, polynomial, pairs, values, mask
+        integers, integers, values, values, places, mask, values, values, polynomial, pairs, mask, direction
     )
 
 
-def bracketed(block: Trajectory, frame: Integers, chain: Integers, bead: Integers, direction: int) -> Brackets:
-    """Brackets of maxima at beads and largest frames, [maximum] positions in a block.
+class _Fit(NamedTuple):
+    """Polynomials of velocity between frames, [..., entry], see `Brackets`."""
 
-    A maximum at frame 0 stays there unless the bead is pushed or driven.
+    start: Integers
+    """Position of the frame at s = 0."""
+    chain: Integers
+    bead: Integers
+    """Position of the bead, from 0, as of the chain."""
+    direction: int
+    velocity: Floats
+    off: Floats
+    displacement: Floats
+    slope: Floats
+    """Slopes at the first two frames, per frame, [0 or 1, entry]; NaN where frames do not determine the forces."""
+
+
+def _fitted(
+    block: Trajectory, start: Integers, chain: Integers, bead: Integers, direction: int, low: Floats, high: Floats
+) -> _Fit:
+    """Polynomials of velocities of beads through frames from a first one on, whose errors are those from low to high.
+
+    Args:
+        block: frames.
+        start, chain, bead: [entry] positions in the block.
+        direction: 1 for velocities towards higher bead numbers, else -1.
+        low, high: [entry] in units of the spacing, from the first frame on.
     """
-    spacing = block.spacing
-    by_equations = block.forces_known
-    if by_equations:
-        rising = direction * motion.acceleration_and_rate(block, frame, chain, bead)[0] > 0.0
-        start = np.maximum(np.where(rising, frame, frame - 1), 0)
-        nodes: tuple[int, ...] = (0, 1)
-        low, high = np.zeros(len(frame)), np.ones(len(frame))
-    else:
-        nodes = NODES[: block.frames]
-        start = np.clip(frame - 1, 0, block.frames - len(nodes))
-        low = np.maximum(frame - start - 1.0, 0.0)
-        high = low + 2.0
+    spacing, system, by_equations = block.spacing, block.problem.system, block.forces_known
+    nodes = (0, 1) if by_equations else NODES[: block.frames]
     data = direction * np.array(
         [_states(block, start + node, chain, bead, by_equations=by_equations) for node in nodes]
     )
-
-    fastest = max(rates.fastest(block.problem.system), rates.drag(block.problem.system))
-    quick = spacing * max(1.0, fastest / FREQUENCY) if by_equations else spacing
-
-    def fit(states: Floats) -> tuple[Floats, Floats]:
-        """Polynomials [power, maximum] of states [node, derivative, maximum], see `_polynomials`."""
-        return _polynomials(nodes, states[:, : data.shape[1]], spacing, quick, by_equations=by_equations)
-
-    velocity, other = fit(data)
-    kink, acted_on = np.zeros((2, len(frame))), np.zeros(len(frame), dtype=bool)
-    beside = np.zeros(len(frame))
-    if by_equations:
-        kink += kinks(block, start, chain, bead)
-        beside += _beside(block, frame, np.where(start == frame, frame - 1, frame), chain, bead, direction)
-    outside: tuple[Load | Motion, ...] = (*block.problem.system.loads, *block.problem.system.motions)
-    for load in outside:
+    timing = _Timing.of(block)
+    acted_on, pushes = np.zeros(len(start), dtype=bool), np.zeros((2, len(start)))
+    for load in system.loads:
         loaded = (chain == load.chain - 1) & (block.beads[bead] == load.bead)
         acted_on |= loaded
-        if isinstance(load, Load) and np.any(loaded):
+        if np.any(loaded):
             times = block.time[start[loaded]] + spacing * np.array(nodes)[:, None]
-            kink[:, loaded] += _pushed(load, times, fit, low[loaded], high[loaded]) / physics.mass_of(
-                block.problem.system, chain[loaded], block.beads[bead[loaded]] - 1
-            )
+            pushes[:, loaded] += _pushed(
+                load, times, partial(_best, timing, nodes), low[loaded], high[loaded]
+            ) / physics.mass_of(system, chain[loaded], block.beads[bead[loaded]] - 1)
+    velocity, doubts = _polynomials(timing, nodes, data, acted_on)
+    off = pushes
+    for doubt in doubts:
+        off += np.array([_largest(doubt, low, high), _largest(hermite.derivative(doubt), low, high)])
+    if by_equations:
+        off += kinks(block, start, chain, bead)
+    slope = spacing * data[:, 2] if by_equations else np.full((2, len(start)), np.nan)
+    return _Fit(start, chain, bead, direction, velocity, off, data[0, 0], slope)
+
+
+def bracketed(block: Trajectory, frame: Integers, chain: Integers, bead: Integers, direction: int) -> Brackets:
+    """Brackets of maxima at beads and largest frames, [maximum] positions in a block, of recorded beads alone.
+
+    A maximum at frame 0 stays there unless the bead is pushed or driven.
+    """
+    start = np.clip(frame - 1, 0, block.frames - len(NODES[: block.frames]))
+    low = np.maximum(frame - start - 1.0, 0.0)
+    outside: tuple[Load | Motion, ...] = (*block.problem.system.loads, *block.problem.system.motions)
+    acted_on = np.zeros(len(frame), dtype=bool)
+    for load in outside:
+        acted_on |= (chain == load.chain - 1) & (block.beads[bead] == load.bead)
+    fit = _fitted(block, start, chain, bead, direction, low, low + 2.0)
+    ends = np.stack([low, np.where(frame == 0, low + acted_on, low + 2.0)])
+    rows = np.arange(len(frame))
+    return _rows(block, fit, rows, np.stack([ends] * 3), np.ones(len(frame), dtype=bool), frame)
+
+
+def between_pairs(
+    block: Trajectory, start: Integers, chain: Integers, bead: Integers, direction: int, threshold: float
+) -> Brackets:
+    """Brackets of maxima between a frame and the next, [pair] positions in a block whose frames determine the forces.
+
+    A bead that is slower for certain after frame 0, before it is faster, has a maximum there.
+
+    Args:
+        block: frames.
+        start, chain, bead: [pair] positions of the first of two frames, and of beads.
+        direction: 1 for velocities towards higher bead numbers, else -1.
+        threshold: smallest maximum, in units of V.
+    """
+    fit = _fitted(block, start, chain, bead, direction, np.zeros(len(start)), np.ones(len(start)))
+    along = hermite.derivative(fit.velocity)
+    sampled = np.linspace(0.0, 1.0, crossings.SAMPLES)
+    slope = np.array([hermite.value(along, np.full(len(start), s)) for s in sampled.tolist()])
+    slope[[0, -1]] = fit.slope
+    error = fit.off[1] + ROUNDING
+    begins = np.flatnonzero((start == 0) & (fit.velocity[0] > threshold))
+    slope[:, begins], largest, perhaps = crossings.starts(slope[:, begins], error[begins], fit.velocity[2, begins])
+    begins, largest = begins[largest | perhaps], largest[largest | perhaps]
+    change = direction * (block.velocity[start + 1, chain, bead] - block.velocity[start, chain, bead])
+    entry, early, late, certain = crossings.falls(slope, error, change)
+    places = np.arange(crossings.SAMPLES - 1)[:, np.newaxis]
+    within = (places >= early - 1) & (places < late)
+    zero = within & (slope[:-1, entry] > 0.0) & (slope[1:, entry] <= 0.0)
+    rise = np.cumsum(slope[:-1], axis=0)[:, entry]
+    at = np.where(certain, np.where(zero, rise, -np.inf).argmax(axis=0), early - 1)  # the highest in between
+    ends = np.array([[sampled[place], sampled[place + 1]] for place in (early - 1, at, late - 1)])
+    fast = hermite.value(fit.velocity[:, entry], ends[1, 1]) > threshold
+    entry, certain = np.concatenate([begins, entry[fast]]), np.concatenate([largest, certain[fast]])
+    ends = np.concatenate([np.zeros((3, 2, len(begins))), ends[..., fast]], axis=-1)
+    return _rows(block, fit, entry, ends, certain, start + (change > 0.0))
+
+
+def _rows(block: Trajectory, fit: _Fit, entry: Integers, places: Floats, certain: Flags, frame: Integers) -> Brackets:
+    """Brackets at positions among the polynomials; frames are those of the overlap, [polynomial]."""
+    chain, bead = fit.chain[entry], fit.bead[entry]
     return Brackets(
         chain=chain + 1,
         bead=block.beads[bead],
-        origin=block.time[start],
-        spacing=np.full(len(frame), spacing),
-        low=low,
-        high=np.where(frame == 0, low + acted_on, high),
-        overlap=motion.larger_overlap(block, frame, chain, bead),
-        displacement=data[0, 0],
-        velocity=velocity,
-        doubt=_share_of_doubt(block.problem, spacing, quick, by_equations=by_equations) * (other - velocity),
-        kink=kink,
-        beside=beside,
-        forces_known=np.full(len(frame), block.forces_known),
+        origin=block.time[fit.start[entry]],
+        spacing=np.full(len(entry), block.spacing),
+        places=places,
+        certain=certain,
+        overlap=motion.larger_overlap(block, frame[entry], chain, bead),
+        displacement=fit.displacement[entry],
+        velocity=fit.velocity[:, entry],
+        off=fit.off[:, entry],
+        forces_known=np.full(len(entry), block.forces_known),
+        direction=fit.direction,
     )
-
-
-def _beside(
-    block: Trajectory, frame: Integers, start: Integers, chain: Integers, bead: Integers, direction: int
-) -> Floats:
-    """`Brackets.beside`, from the largest frame and the first of the two frames on its other side."""
-    excess = np.zeros(len(frame))
-    existing = np.flatnonzero(start >= 0)
-    if len(existing):
-        excess[existing] = kinks(block, start[existing], chain[existing], bead[existing])[0]
-    near = np.flatnonzero(excess)
-    if len(near) == 0:
-        return excess
-    frame, start, chain, bead = frame[near], start[near], chain[near], bead[near]
-    data = direction * np.array([_states(block, at, chain, bead, by_equations=True) for at in (start, start + 1)])
-    curve, _ = _polynomials((0, 1), data, block.spacing, block.spacing, by_equations=True)
-    along = [hermite.value(curve, np.full(len(near), s)) for s in np.linspace(0.0, 1.0, _SAMPLES)]
-    excess[near] += np.max(along, axis=0) - direction * block.velocity[frame, chain, bead]
-    return excess
 
 
 def _states(
@@ -472,18 +256,16 @@ def _states(
     return (*state, *motion.acceleration_and_rate(block, frame, chain, bead)) if by_equations else state
 
 
-def _pushed(
-    load: Load, times: Floats, fit: Callable[[Floats], tuple[Floats, Floats]], low: Floats, high: Floats
-) -> Floats:
-    """Errors of a fit to the motion of a bead of mass 1 by a force alone, as `Brackets.kink`.
+def _pushed(load: Load, times: Floats, fit: Callable[[Floats], Floats], low: Floats, high: Floats) -> Floats:
+    """Errors of a fit to the motion of a bead of mass 1 by a force alone, as `Brackets.off`.
 
     Times are [node, maximum].
     """
     states = [load.travel(times), load.impulse(times), load.force(times), load.rate(times)]
-    velocity, _ = fit(np.stack(states, axis=1))
+    velocity = fit(np.stack(states, axis=1))
     slope, spacing = hermite.derivative(velocity), times[1] - times[0]
     worst = np.zeros((2, len(low)))
-    for share in np.linspace(0.0, 1.0, _SAMPLES_OF_FORCE):
+    for share in np.linspace(0.0, 1.0, SAMPLES):
         s = low + share * (high - low)
         time = times[0] + s * spacing
         worst[0] = np.fmax(worst[0], np.abs(hermite.value(velocity, s) - load.impulse(time)))
@@ -491,51 +273,121 @@ def _pushed(
     return worst
 
 
+@dataclass(frozen=True)
+class _Timing:
+    """Times between frames and time steps, and what they say of polynomials; in units of T.
+
+    Attributes:
+        spacing: time between frames.
+        quick: that in the time scale of the system's fastest motion, see `FREQUENCY`.
+        step: Verlet step.
+        far_apart: time between frames from which on displacements are taken as they are.
+        by_equations: whether frames determine the forces on all beads.
+        damped: whether contacts have dashpots.
+        hard: whether contacts harden fast, see `HARDENING`.
+    """
+
+    spacing: float
+    quick: float
+    step: float
+    far_apart: float
+    by_equations: bool
+    damped: bool
+    hard: bool
+
+    @classmethod
+    def of(cls, block: Trajectory) -> "_Timing":
+        problem, by_equations = block.problem, block.forces_known
+        system = problem.system
+        quickness = max(1.0, max(rates.fastest(system), rates.drag(system)) / FREQUENCY) if by_equations else 1.0
+        factor, power = FAR_APART[problem.scheme]
+        far_apart = max(NEAR, factor * (problem.cycle * problem.timestep * quickness) ** power) / quickness
+        return cls(
+            block.spacing,
+            block.spacing * quickness,
+            problem.timestep if problem.scheme == "verlet" else 0.0,
+            min(FARTHEST_APART, far_apart),
+            by_equations,
+            physics.contact_loss(system) is not None,
+            (physics.exponent(system) or 1.5) > HARDENING,
+        )
+
+    @property
+    def share(self) -> float:
+        """Bound on the error of a polynomial in what another one differs, as measured on runs of known peaks.
+
+        A polynomial of degree five is off by the sixth derivative of velocity, and one of degree three differs from it
+        by the fourth. Their ratio is ``(omega * spacing)**2 / 120`` in an oscillation, but has no bound where several
+        frequencies add up. Where the fastest motion is short compared with the time between frames, the polynomial of
+        degree six, which has the sixth derivative, is the other one.
+
+        Measured at couplings from 0.1 to 2 and times between frames from 0.1 to 2, with all beads and with a few; the
+        errors are a third of the bound or less where frames are up to 1 T apart. With a few beads nothing shows
+        contacts that close or open between frames; there the whole of the bound is needed where frames are 0.1 T apart,
+        and also farther apart where dashpots jump then. Contacts that harden fast have shorter waves. In damped chains
+        motion is of more than one rate: of 5,800 maxima at times between frames from 0.05 to 0.5, a few were off by up
+        to 1.9 times the bound of the others, and 2.6 times at 0.5; it is doubled there, and tripled. Far apart, errors
+        grow with the square of the frequency: in dimers at 1 T, up to 0.36 times what the other polynomial differs.
+        """
+        if not self.by_equations:
+            return 3.0 if self.damped else 0.3
+        if self.spacing >= self.far_apart:
+            return (3.0 if self.damped else 1.0) * (0.25 if self.hard else 0.1) * max(1.0, self.quick**2)
+        near = 1.25 if self.quick >= QUICK else max(0.2 * self.spacing**2, (FREQUENCY * self.quick) ** 2 / 100.0)
+        return (2.0 if self.damped else 1.0) * near
+
+
+def _best(timing: _Timing, nodes: tuple[int, ...], data: Floats) -> Floats:
+    """Velocities as polynomials [power, entry] of displacement and its derivatives [node, derivative, entry].
+
+    By equations these are three, of which displacement is left out where frames are not far apart; else one.
+    """
+    derivatives = 4 if timing.by_equations else 2
+    if timing.by_equations and timing.spacing < timing.far_apart:
+        return _padded(hermite.coefficients(nodes, data[:, 1:derivatives], timing.spacing))
+    both = hermite.coefficients(nodes, data[:, :derivatives], timing.spacing)
+    return _padded(hermite.derivative(both) / timing.spacing)
+
+
 def _polynomials(
-    nodes: tuple[int, ...], data: Floats, spacing: float, quick: float, *, by_equations: bool
-) -> tuple[Floats, Floats]:
-    """Velocity as a polynomial, and as one of another degree, each [power, maximum].
+    timing: _Timing, nodes: tuple[int, ...], data: Floats, acted_on: Flags
+) -> tuple[Floats, tuple[Floats, ...]]:
+    """Velocity as a polynomial, and terms of how far that may be off, each [power, entry].
+
+    Where frames are not far apart, displacements are used only if they tell velocities that are slopes of displacements
+    from those of velocity Verlet, and change the polynomial by less than its error.
 
     Args:
+        timing: times between frames.
         nodes: frames.
-        data: [node, derivative of the displacement, maximum].
-        spacing: time between frames, in units of T.
-        quick: time between frames in the time scale of the system's fastest motion, see `FREQUENCY`.
-        by_equations: whether acceleration and its rate are among the data.
+        data: [node, derivative of the displacement, entry].
+        acted_on: [entry] whether a force from outside acts on the bead.
     """
-    by_velocity = hermite.coefficients(nodes, data[:, 1:], spacing)
-    by_both = hermite.derivative(hermite.coefficients(nodes, data, spacing)) / spacing
-    if not by_equations or spacing >= FAR_APART:
-        best, other = by_both, by_velocity
-    elif quick >= FAR_APART:
-        best, other = by_velocity, by_both
-    else:
-        best, other = by_velocity, hermite.coefficients(nodes, data[:, 1:3], spacing)
-    return _padded(best), _padded(other)
-
-
-def _share_of_doubt(problem: Problem, spacing: float, quick: float, *, by_equations: bool) -> float:
-    """Bound on the error of the better polynomial, in what the other differs, as measured on runs of known peaks.
-
-    A polynomial of degree five is off by the sixth derivative of velocity, and one of degree three differs from it by
-    the fourth. Their ratio is ``(omega * spacing)**2 / 120`` in an oscillation, but has no bound where several
-    frequencies add up. Where the fastest motion is short compared with the time between frames, the polynomial of
-    degree six, which has the sixth derivative, is the other one.
-
-    Measured at couplings from 0.1 to 2 and times between frames from 0.1 to 2, with all beads and with a few; the
-    errors are a third of the bound or less where frames are up to 1 T apart. With a few beads nothing shows contacts
-    that close or open between frames; there the whole of the bound is needed where frames are 0.1 T apart, and also
-    farther apart where dashpots jump then. Contacts that harden fast have shorter waves. In damped chains motion is of
-    more than one rate: of 5,800 maxima at times between frames from 0.05 to 0.5, a few were off by up to 1.9 times
-    the bound of the others, and 2.6 times at 0.5; it is doubled there, and tripled.
-    """
-    damped = physics.contact_loss(problem.system) is not None
-    if not by_equations:
-        return 3.0 if damped else 0.3
-    factor = (2.0 if spacing < FAR_APART else 3.0) if damped else 1.0
-    if spacing < FAR_APART:
-        return factor * (1.25 if quick >= FAR_APART else max(0.2 * spacing**2, (FREQUENCY * quick) ** 2 / 100.0))
-    return factor * (0.1 if (physics.exponent(problem.system) or 1.5) <= HARDENING else 0.25)
+    spacing, best = timing.spacing, _best(timing, nodes, data)
+    by_velocity = _padded(hermite.coefficients(nodes, data[:, 1:], spacing))
+    doubt = timing.share * (by_velocity - best)
+    if not timing.by_equations:
+        return best, (doubt,)
+    degree_three = _padded(hermite.coefficients(nodes, data[:, 1:3], spacing))
+    if spacing >= timing.far_apart:
+        by_chance = 0.3 * (FREQUENCY * timing.quick / 10.0) ** 4 * (degree_three - by_velocity)
+        return best, (doubt, by_chance)  # that both polynomials agree by chance
+    if timing.quick < NEAR:
+        return best, (timing.share * (degree_three - best),)
+    shifted = data.copy()
+    shifted[1, 0] += timing.step**2 / 6.0 * (data[1, 2] - data[0, 2])
+    change, after_shift = (
+        _padded(hermite.derivative(hermite.coefficients(nodes, states, spacing)) / spacing) - best
+        for states in (data, shifted)
+    )
+    scheme = np.abs(after_shift[3] - change[3])
+    nearer = np.abs(change[3]) <= np.abs(after_shift[3])
+    change, farther = np.where(nearer, change, after_shift), np.where(nearer, after_shift, change)
+    doubt = timing.share * (farther if timing.quick >= QUICK else degree_three - best)
+    ends = np.zeros_like(scheme), np.ones_like(scheme)
+    bound = _largest(doubt, *ends) + on_a_grid(spacing, 1.0)[1]
+    agree = ~acted_on & (np.abs(change[3]) < DISTINCT * scheme) & (_largest(change, *ends) <= bound)
+    return best + np.where(agree, change, 0.0), (np.where(agree, AGREEING, 1.0) * doubt,)
 
 
 def _padded(polynomials: Floats) -> Floats:
@@ -543,21 +395,28 @@ def _padded(polynomials: Floats) -> Floats:
     return np.concatenate([polynomials, np.zeros((missing, *polynomials.shape[1:]))])
 
 
-def largest(polynomials: Floats, brackets: Brackets) -> Floats:
-    """Largest size of polynomials [power, maximum] in their brackets, [maximum], by some samples."""
+def _largest(polynomials: Floats, low: Floats, high: Floats) -> Floats:
+    """Largest size of polynomials [power, entry] from low to high, [entry], by some samples."""
     shares = np.linspace(0.0, 1.0, _SAMPLES)
-    sizes = [np.abs(hermite.value(polynomials, brackets.low + c * (brackets.high - brackets.low))) for c in shares]
+    sizes = [np.abs(hermite.value(polynomials, low + c * (high - low))) for c in shares]
     return np.asarray(np.max(sizes, axis=0))
 
 
-def highest(brackets: Brackets) -> Floats:
-    """Place of each maximum in its bracket, [maximum], in s = (time - origin) / spacing."""
-    at = hermite.falling_zero(hermite.derivative(brackets.velocity), brackets.low, brackets.high)
-    # between frames far apart there may be several; none that is lower than a frame is the maximum
-    frames = brackets.low, np.minimum(brackets.low + 1.0, brackets.high)
+def places_of(brackets: Brackets) -> tuple[Floats, Floats, Floats]:
+    """Earliest place, place, and latest place of each maximum in its bracket, each [maximum] in s."""
+    slope, error = hermite.derivative(brackets.velocity), brackets.off[1]
+    early, at, late = brackets.places
+    zero = hermite.falling_zero(slope, *at)
+    # of recorded beads alone, there may be several between frames far apart; none that is lower than a frame is taken
+    frames = at[0], np.minimum(at[0] + 1.0, at[1])
     at_low, at_next = (hermite.value(brackets.velocity, frame) for frame in frames)
-    lower = hermite.value(brackets.velocity, at) < np.maximum(at_low, at_next) - FLOOR
-    return np.where(lower, np.where(at_low >= at_next, *frames), at)
+    lower = ~brackets.forces_known & (hermite.value(brackets.velocity, zero) < np.maximum(at_low, at_next) - FLOOR)
+    zero = np.where(lower, np.where(at_low >= at_next, *frames), zero)
+    above, below = slope.copy(), slope.copy()
+    above[0] -= error
+    below[0] += error
+    first = hermite.falling_zero(above, early[0], np.minimum(early[1], zero))
+    return first, zero, hermite.falling_zero(below, np.maximum(late[0], zero), late[1])
 
 
 def on_a_grid(every: Floats | float, peak_velocity: Floats | float, *, all_recorded: bool = True) -> tuple[Any, Any]:
@@ -568,7 +427,7 @@ def on_a_grid(every: Floats | float, peak_velocity: Floats | float, *, all_recor
     """
     frames = every * peak_velocity**0.2  # in the wave's own time
     if all_recorded:
-        far = np.asarray(every) >= FAR_APART
+        far = np.asarray(every) >= FARTHEST_APART
         arrival = np.where(far, 6e-4, 4e-3) * frames**5
         relative = np.where(far, 2e-4, 2.5e-3) * frames**6
     else:

@@ -1,15 +1,14 @@
 """Every passage of a compressive pulse at a bead: a maximum over time of its velocity, found between the frames.
 
-`peak_bounds` has the place between the frames, and its uncertainty. A run is read block by block, so memory does not
-grow with the number of frames; no number depends on where the blocks begin.
+`peak_bounds` has the place between the frames, and its uncertainty.
 
-Plug-ins take this module for maxima of velocity: a `PeakFinder` is shown a run and gives its `Peaks`; `sharp` says
-which of them have a defined time.
+Plug-ins take this module for maxima of velocity: a `PeakMeter` gives the `Peaks` of a run; `sharp` says which of them
+have a defined time.
 
 Examples:
     >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
     >>> frames = engine.run(problem)
-    >>> maxima = watch(peaks.PeakFinder(), frames.blocks()).result()
+    >>> maxima = peaks.PeakMeter().read(frames.blocks())
     >>> maxima.bead[8:10], maxima.velocity[8:10].round(4), maxima.time[8:10].round(2)  # in units of V and T
     (array([ 9, 10]), array([0.6825, 0.6821]), array([10.29, 11.48]))
     >>> peaks.sharp(maxima)[-2:]  # the last bead flies off: the time of its largest velocity is undefined
@@ -17,22 +16,17 @@ Examples:
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from analysis import hermite
+from analysis import hermite, motion
 from analysis.columns import Columns, together
-from analysis.tracking.peak_bounds import NODES, Brackets, bracketed, highest, largest, no_maxima, on_a_grid
-from analysis.trajectory import (
-    Flags,
-    Floats,
-    Integers,
-    Trajectory,
-    joined,
-    mirrored_bead,
-    watch,
-)
+from analysis.meters import Meter, Part
+from analysis.tracking.crossings import candidates
+from analysis.tracking.peak_bounds import Brackets, between_pairs, bracketed, no_maxima, on_a_grid, places_of
+from analysis.trajectory import Flags, Floats, Integers, Trajectory, mirrored_bead
 from lammps_inputs import Problem
 
 THRESHOLD = 1e-3
@@ -93,146 +87,172 @@ def in_mirror(peaks: Peaks, problem: Problem) -> Peaks:
     return replace(peaks, bead=bead, direction=-peaks.direction).where(order)
 
 
-class PeakFinder:
-    """Finds maxima in a run that is given piece by piece; holds three frames and what it found.
+Places = tuple[Integers, Integers, Integers]
+"""Positions of frames, chains and beads in a block, each [entry]."""
+
+
+@dataclass(frozen=True)
+class PeakMeter(Meter[Brackets, Peaks]):
+    """Maxima above a threshold.
 
     A bead that starts at its largest velocity (a kicked one) has a maximum at the start. A velocity that reaches a
     level and stays there, as that of a bead that leaves the free end, has its maximum where it reaches it.
 
-    Args:
+    Attributes:
         threshold: smallest maximum that counts, in units of V.
         first_only: whether only the first maximum of each bead is wanted, which is several times faster.
         direction: 1 for velocities towards higher bead numbers, -1 towards lower ones; None for the way of the largest
             kick.
     """
 
-    def __init__(
-        self,
-        threshold: float = THRESHOLD,
-        *,
-        first_only: bool = False,
-        direction: int | None = None,
-    ) -> None:
-        self._threshold = threshold
-        self._direction = direction
-        self._brackets = [no_maxima()]
-        self._carried: Trajectory | None = None
-        self._started = False
-        self._first_only = first_only
-        self._passed: Flags | None = None
+    threshold: float = THRESHOLD
+    _: KW_ONLY
+    first_only: bool = False
+    direction: int | None = None
 
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames, evenly spaced in time with those before."""
-        if self._carried is not None:  # a window may have moved on
-            self._carried = self._carried.on(block.first, block.first + block.velocity.shape[2] - 1)
-            block = joined([self._carried, block])
-        if not self._started and block.frames >= len(NODES):
-            self._start(block)
-        if self._started:
-            self._search(block, block.frames - 2)
-        self._carried = block[-3:] if self._started else block
+    def of_part(self, part: Part, earlier: Iterable[Brackets] = ()) -> Brackets:
+        """Brackets of the maxima at a frame of the part, or between it and the next.
 
-    def result(self) -> Peaks:
-        """The maxima of all frames so far; no frame may be added afterwards.
-
-        Raises:
-            ValueError: there was no frame.
+        Where the first maximum of each bead is wanted, beads that have one in ``earlier`` parts are left out, which
+        saves time.
         """
-        if self._carried is None:
-            raise ValueError("no frames to analyse")
-        if not self._started:
-            self._start(self._carried)
-        self._search(self._carried, self._carried.frames - 1, low=self._carried.frames - 2)
-        return _refined(self._brackets, self._way(self._carried))
-
-    def forget(self) -> None:
-        """Forget what was found but not where the frames ended, so that only what follows is found."""
-        self._brackets = [no_maxima()]
-
-    def take_over(self, later: "PeakFinder") -> None:
-        """Add the maxima that another finder has found since its `forget`, and continue after its frames."""
-        self._brackets += later._brackets
-        self._carried = later._carried
-
-    def _way(self, block: Trajectory) -> int:
-        return block.problem.direction if self._direction is None else self._direction
-
-    def _start(self, block: Trajectory) -> None:
-        """The beads that are fastest at the start."""
-        self._started = True
-        if block.frames > 1:
-            v = self._way(block) * block.velocity[:2]
-            chain, bead = np.nonzero((v[0] > self._threshold) & (v[0] >= v[1]))
-            self._keep(block, np.zeros(len(chain), dtype=np.int64), chain, bead)
-
-    def _search(self, block: Trajectory, high: int, low: int = 1) -> None:
-        """Maxima whose largest frame is one of ``low`` to ``high - 1``, all of which have a frame on either side."""
-        if not 1 <= low < high:
-            return
-        moving = block.moving
-        v = block.velocity[:, :, moving] if self._way(block) > 0 else -block.velocity[:, :, moving]
-        middle = v[low:high]
-        is_peak = (middle > self._threshold) & (v[low - 1 : high - 1] < middle) & (middle >= v[low + 1 : high + 1])
-        frame, chain, bead = (index.astype(np.int64) for index in np.nonzero(is_peak))
-        self._keep(block, frame + low, chain, bead + moving.start)
-
-    def _keep(self, block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> None:
-        """Add the maxima whose largest frames are given, in the order of time."""
-        if self._first_only:
-            if self._passed is None:
-                self._passed = np.zeros((block.problem.chains, len(block.problem.rows.numbers)), dtype=bool)
-            place = chain * self._passed.shape[1] + bead + block.first - 1
-            _, first = np.unique(place, return_index=True)
-            first = first[~self._passed.flat[place[first]]]
-            frame, chain, bead = frame[first], chain[first], bead[first]
-            self._passed.flat[place[first]] = True
+        block = part.around
+        way = block.problem.direction if self.direction is None else self.direction
+        frame, chain, bead = (self._between if block.forces_known else self._at)(part, way)
+        if self.first_only:
+            new = ~np.isin(_place(chain + 1, block.beads[bead]), _places(earlier))
+            frame, chain, bead = frame[new], chain[new], bead[new]
         if len(frame) == 0:
-            return
-        self._brackets.append(bracketed(block, frame, chain, bead, self._way(block)))
+            return no_maxima(way)
+        if not block.forces_known:
+            return bracketed(block, frame, chain, bead, way)
+        brackets = between_pairs(block, frame, chain, bead, way, self.threshold)
+        return brackets.where(brackets.first_certain()) if self.first_only else brackets
+
+    def _at(self, part: Part, way: int) -> Places:
+        """Largest frames of maxima, of recorded beads alone."""
+        block = part.around
+        v = way * block.velocity
+        low, high = max(1, part.before), min(part.before + part.count, block.frames - 1)
+        is_peak = (v[low:high] > self.threshold) & (v[low - 1 : high - 1] < v[low:high])
+        is_peak &= v[low:high] >= v[low + 1 : high + 1]
+        frame, chain, bead = (index.astype(np.int64) for index in np.nonzero(is_peak))
+        if part.start == 0 and block.frames > 1:
+            kicked = np.nonzero((v[0] > self.threshold) & (v[0] >= v[1]))
+            return _first_frame(kicked, (frame + low, chain, bead))
+        return frame + low, chain, bead
+
+    def _between(self, part: Part, way: int) -> Places:
+        """First frames of pairs between which there may be maxima."""
+        block = part.around
+        moving = block.moving
+        v = way * block.velocity[:, :, moving]
+        low, high = max(1, part.before), min(part.before + part.count, block.frames - 1)
+        around = v[low - 1 : high + 2]
+        if len(around) < high - low + 3:
+            around = np.concatenate([around, v[-1:]])
+        (frame, chain, bead), falls = candidates(around, self.threshold)
+        frame += low
+        chosen = ~falls
+        chosen[falls] = ~_slows(block, frame[falls], chain[falls], bead[falls] + moving.start, way)
+        if self.first_only:  # none after the first largest frame
+            last = np.full(v.shape[1:], block.frames)
+            np.minimum.at(last, (chain[falls], bead[falls]), frame[falls])
+            chosen &= frame <= last[chain, bead]
+        frame, chain, bead = frame[chosen], chain[chosen], bead[chosen] + moving.start
+        if part.start > 0 or block.frames < 2:
+            return frame, chain, bead
+        fast = v[0] > self.threshold
+        if len(v) > 2:
+            (_, *places), _ = candidates(np.concatenate([v[:1], v[:3]]), self.threshold)
+            fast[tuple(places)] = True
+        chains, beads = np.nonzero(fast)
+        return _first_frame((chains, beads + moving.start), (frame, chain, bead))
+
+    def result(self, pieces: list[Brackets]) -> Peaks:
+        """The maxima, sorted."""
+        peaks = _refined(pieces)
+        return peaks.first() if self.first_only else peaks
+
+
+def _first_frame(first: tuple[Any, ...], later: Places) -> Places:
+    """Chains and beads at frame 0, and those of later frames."""
+    frame, chain, bead = later
+    nothing = np.zeros(len(first[0]), dtype=np.int64)
+    return np.concatenate([nothing, frame]), np.concatenate([first[0], chain]), np.concatenate([first[1], bead])
+
+
+def _slows(block: Trajectory, frame: Integers, chain: Integers, bead: Integers, direction: int) -> Flags:
+    """Whether beads are slower after frames, [entry] positions in a block whose frames determine the forces."""
+    return np.asarray(direction * motion.acceleration_and_rate(block, frame, chain, bead)[0] <= 0.0)
+
+
+def _place(chain: Integers, bead: Integers) -> Integers:
+    """Numbers of beads of chains, each another one."""
+    return chain * 2**40 + bead
+
+
+def _places(parts: Iterable[Brackets]) -> Integers:
+    """Numbers of all beads, as of `_place`, that have a maximum for certain in parts."""
+    certain = [_place(part.chain[part.certain], part.bead[part.certain]) for part in parts]
+    return np.concatenate([np.zeros(0, dtype=np.int64), *certain])
 
 
 def find_peaks(blocks: Iterable[Trajectory], threshold: float = THRESHOLD, *, direction: int | None = None) -> Peaks:
-    """Maxima above a threshold in a run given as consecutive blocks of frames; see `PeakFinder`."""
-    return watch(PeakFinder(threshold, direction=direction), blocks).result()
+    """Maxima above a threshold in a run given as consecutive blocks of frames; see `PeakMeter`."""
+    return PeakMeter(threshold, direction=direction).read(blocks)
 
 
-def _refined(parts: list[Brackets], direction: int) -> Peaks:
+def _refined(parts: list[Brackets]) -> Peaks:
     brackets = together(parts)
-    at, slope = highest(brackets), hermite.derivative(brackets.velocity)
-    time, velocity = brackets.origin + at * brackets.spacing, hermite.value(brackets.velocity, at)
-    displacement = brackets.displacement + brackets.spacing * hermite.integral(brackets.velocity, at)
-    doubt = largest(brackets.doubt, brackets) + brackets.kink[0]
-    curvature = -hermite.value(hermite.derivative(slope), at)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slope_error = largest(hermite.derivative(brackets.doubt), brackets) + brackets.kink[1]
-        time_error = slope_error / curvature * brackets.spacing
+    early, at, late = places_of(brackets)
+    off, spacing = brackets.off, brackets.spacing
+
+    def passage(s: Floats) -> tuple[Floats, Floats, Floats]:
+        """Velocity, time, and centre of the impulse until places [maximum] between frames, in units of V and T."""
+        velocity, time = hermite.value(brackets.velocity, s), brackets.origin + s * spacing
+        displacement = brackets.displacement + spacing * hermite.integral(brackets.velocity, s)
+        return velocity, time, time - displacement / velocity
+
+    velocity, time, centre = passage(at)
+    velocity_before, _, centre_before = passage(early)
     exact_time, exact_velocity = np.where(
-        brackets.forces_known,
-        on_a_grid(brackets.spacing, velocity),
-        on_a_grid(brackets.spacing, velocity, all_recorded=False),
+        brackets.forces_known, on_a_grid(spacing, velocity), on_a_grid(spacing, velocity, all_recorded=False)
     )
-    doubt, time_error = doubt + exact_velocity, time_error + exact_time
-    at_start = brackets.low == brackets.high
-    # the maximum may be on the other side of the largest frame, where the velocity may exceed what was found
-    frames = np.maximum(*(hermite.value(brackets.velocity, end) for end in (brackets.low, brackets.high)))
-    more = np.where(brackets.beside > 0.0, np.maximum(brackets.beside + frames - velocity, 0.0), 0.0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        time_error = time_error + np.where(
-            more > 0.0, np.sqrt(2.0 * more / np.maximum(curvature, 0.0)) * brackets.spacing, 0.0
-        )
-    doubt = np.maximum(doubt, more)
-    time_error = np.where(at_start, 0.0, np.where(time_error >= 0.0, time_error, np.inf))
+    doubt = off[0] + exact_velocity
+    later = brackets.places[1, 0] < brackets.places[1, 1]  # else at the start, which is exact
+    time_error = later * (np.maximum(at - early, late - at) * spacing + exact_time)
+    velocity_error = later * (doubt + np.abs(velocity - velocity_before))
+    in_centre = (spacing + np.abs(time - centre)) * doubt / velocity
+    centre_error = later * (in_centre + np.abs(centre - centre_before))
     peaks = Peaks(
         chain=brackets.chain,
         bead=brackets.bead,
         time=time,
         velocity=velocity,
         overlap=brackets.overlap,
-        centre=time - displacement / velocity,
+        centre=centre,
         time_error=time_error,
-        velocity_error=np.where(at_start, 0.0, doubt),
-        centre_error=np.where(at_start, 0.0, (brackets.spacing + np.abs(displacement / velocity)) * doubt / velocity),
-        direction=direction,
+        velocity_error=velocity_error,
+        centre_error=centre_error,
+        direction=brackets.direction,
     )
-    peaks = replace(peaks, time_error=np.where(sharp(peaks) | at_start, time_error, np.inf))
-    return peaks.where(np.lexsort((time, brackets.bead, brackets.chain)))
+    order = np.lexsort((time, brackets.bead, brackets.chain))
+    peaks = _that_exist(peaks.where(order), brackets.certain[order])
+    return replace(peaks, time_error=np.where(sharp(peaks) | (peaks.time_error == 0.0), peaks.time_error, np.inf))
+
+
+def _that_exist(peaks: Peaks, certain: Flags) -> Peaks:
+    """The certain ones of maxima in order; the errors of each cover those just before it that may be none."""
+    position = np.arange(len(peaks))
+    follows = np.minimum.accumulate(np.where(certain, position, len(peaks))[::-1])[::-1]
+    at = np.flatnonzero(~certain & (follows < len(peaks)))
+    after = follows[at]
+    same = (peaks.chain[at] == peaks.chain[after]) & (peaks.bead[at] == peaks.bead[after])
+    at, after = at[same], after[same]
+    errors = {}
+    for name in ("time", "velocity", "centre"):
+        value, error = getattr(peaks, name), getattr(peaks, f"{name}_error").copy()
+        np.maximum.at(error, after, np.abs(value[after] - value[at]) + error[at] + error[after])
+        errors[f"{name}_error"] = error
+    return replace(peaks, **errors).where(certain)

@@ -71,6 +71,7 @@ class Pulse(Columns):
         peak_velocity: [passage] that velocity along ``direction``, in units of V.
         speed: [passage] beads per unit time from the passages on either side (at an end: one side), positive.
         arrival_error, peak_velocity_error: [passage] bounds, see `analysis.tracking.peaks.Peaks`.
+        speed_error: [passage] bound by the errors of the arrivals, see `local_speed_error`.
     """
 
     chain: int
@@ -81,6 +82,7 @@ class Pulse(Columns):
     speed: Floats
     arrival_error: Floats
     peak_velocity_error: Floats
+    speed_error: Floats
 
     def recent(self, at: int) -> Integers:
         """Positions, [passage], of the passages at the last `CONSTANT_OVER` beads up to one, that one included."""
@@ -121,7 +123,8 @@ def track_pulses(peaks: Peaks, problem: Problem, *, smallest: float = SMALLEST) 
             if len(track) >= least and np.max(in_chain.velocity[track]) >= smallest:
                 tracked = in_chain.where(track)
                 bead = tracked.bead if direction > 0 else mirrored_bead(problem, tracked.bead)
-                speed, errors = local_speed(tracked.bead, tracked.time), (tracked.time_error, tracked.velocity_error)
+                speed, error = local_speed(tracked.bead, tracked.time), tracked.time_error
+                errors = error, tracked.velocity_error, local_speed_error(tracked.bead, tracked.time, error)
                 pulses.append(Pulse(int(chain), direction, bead, tracked.time, tracked.velocity, speed, *errors))
     return tuple(sorted(pulses, key=lambda pulse: (pulse.chain, pulse.arrival[0])))
 
@@ -179,10 +182,28 @@ def local_speed(bead: Integers, arrival: Floats) -> Floats:
 
     NaN for a single one, and for beads that were kicked at once: nothing runs from one to the other.
     """
-    place = np.arange(len(bead))
-    ahead, behind = np.minimum(place + 1, len(bead) - 1), np.maximum(place - 1, 0)
+    ahead, behind = _either_side(len(bead))
     delay = arrival[ahead] - arrival[behind]
     return np.asarray((bead[ahead] - bead[behind]) / np.where(delay == 0.0, np.nan, delay))
+
+
+def local_speed_error(bead: Integers, arrival: Floats, error: Floats) -> Floats:
+    """Bound on the error of `local_speed`, [passage], by bounds on the errors of the arrivals, [passage].
+
+    The time t in which the pulse runs n beads is known to the sum e of two of these: ``n e / (t (t - e))``. NaN where
+    the speed is, or e is not below t.
+    """
+    ahead, behind = _either_side(len(bead))
+    delay, late = np.abs(arrival[ahead] - arrival[behind]), error[ahead] + error[behind]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        bound = np.abs(bead[ahead] - bead[behind]) * late / (delay * (delay - late))
+    return np.where(late < delay, bound, np.nan)
+
+
+def _either_side(count: int) -> tuple[Integers, Integers]:
+    """Positions of the next and of the last passage, each [passage]; at an end the passage itself."""
+    place = np.arange(count)
+    return np.minimum(place + 1, count - 1), np.maximum(place - 1, 0)
 
 
 @dataclass
@@ -265,6 +286,9 @@ class Train(Columns):
         "velocity",
         "none of them was recorded",
     )
+    arrival_error: Floats = declare(
+        "bound on the error of each arrival by the time between frames and by the run (``run_error``)", "time"
+    )
 
     @property
     @derived()
@@ -279,10 +303,24 @@ class Train(Columns):
         return np.asarray(self.peak_velocity / self.peak_velocity[0])
 
     @property
+    @derived(undefined="as ``uncertainty``, or that of the first exceeds its peak velocity")
+    def ratio_error(self) -> Floats:
+        """Uncertainty of each ratio by those of both peak velocities, [pulse]; 0 of the first."""
+        first, off = self.peak_velocity[0], self.uncertainty[0]
+        error = (self.uncertainty + self.ratio * off) / (first - off if off < first else np.nan)
+        return np.where(np.arange(len(self)) == 0, 0.0, error)
+
+    @property
     @derived("time")
     def spacing(self) -> Floats:
         """Time from each pulse to the next, [pulse - 1]."""
         return np.diff(self.arrival)
+
+    @property
+    @derived("time")
+    def spacing_error(self) -> Floats:
+        """Bound on the error of each spacing by those of both arrivals, [pulse - 1]."""
+        return np.asarray(self.arrival_error[1:] + self.arrival_error[:-1])
 
 
 def train_of(
@@ -293,18 +331,18 @@ def train_of(
     Of those that are nearer to each other than the exact wave passes at half its height, as light and heavy beads see
     one and the same, the highest counts.
     """
-    at_bead: list[tuple[float, float, float]] = []
+    at_bead: list[tuple[float, float, float, float]] = []
     for pulse in pulses:
         at: Integers = np.flatnonzero(pulse.bead == bead)
         if (pulse.chain, pulse.direction) == (chain, direction) and len(at):
             arrival, peak = float(pulse.arrival[at[0]]), float(pulse.peak_velocity[at[0]])
             uncertainty = pulse.variation(int(at[0])) + float(pulse.peak_velocity_error[at[0]])
-            at_bead.append((arrival, peak, uncertainty))
+            at_bead.append((arrival, peak, uncertainty, float(pulse.arrival_error[at[0]])))
     exact = exact or solitary_wave()
-    apart: list[tuple[float, float, float]] = []
+    apart: list[tuple[float, float, float, float]] = []
     for pulse_at in sorted(at_bead):
         if apart and pulse_at[0] - apart[-1][0] < float(exact.width / exact.speed_at(pulse_at[1])):
             apart[-1] = max(apart[-1], pulse_at, key=lambda passage: passage[1])
         else:
             apart.append(pulse_at)
-    return Train(chain, bead, *np.array(apart).reshape(-1, 3).T)
+    return Train(chain, bead, *np.array(apart).reshape(-1, 4).T)

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from synthetic_waves import of_keys, surveyed
 
-from analysis.between_frames import Instants, interpolated
+from analysis.between_frames import interpolated, pairs_in
 from analysis.gauges.gauge import gauges
-from analysis.trajectory import Trajectory, watch
+from analysis.meters import parts_of
+from analysis.trajectory import Trajectory
 from workflow.engines.reference import engine
 from workflow.measures.forces.force_meter import ForceMeter
 from workflow.measures.forces.readings import Readings
@@ -118,7 +119,7 @@ def read(run: Trajectory) -> Readings:
     middle = (beads // 2,)
     inside = middle if run.problem.rows.neighbours else ()
     places = gauges(run.problem.system, wall=True, contacts=(1, *middle, beads - 1), sensors=inside)
-    return watch(ForceMeter(run.problem, places), (run[:7], run[7:])).result()
+    return ForceMeter(run.problem, places).read((run[:7], run[7:]))
 
 
 @cache
@@ -206,11 +207,11 @@ def test_instants_are_found_once_wherever_blocks_begin():
     run = dense("coupled")
     times = np.array([0.0, 0.02, 0.349, 0.351, 1.0, np.nan, run.time[-1] - 0.01])
     for size in (1, 2, 7, 100):
-        seen, instants = {}, Instants(times, run.problem)
-        for start in range(0, run.frames, size):
-            for pair in instants.within(run[start : start + size]):
-                for entry, frame, share in zip(pair.entry, pair.frame, pair.share, strict=True):
-                    assert int(entry) not in seen
-                    seen[int(entry)] = pair.block.time[frame] + share * DENSE
+        seen = {}
+        for part in parts_of(run[start : start + size] for start in range(0, run.frames, size)):
+            block, *pairs = pairs_in(part, times)
+            for entry, frame, share in zip(*pairs, strict=True):
+                assert int(entry) not in seen
+                seen[int(entry)] = block.time[frame] + share * DENSE
         assert sorted(seen) == [0, 1, 2, 3, 4, 6]
         assert [seen[entry] for entry in sorted(seen)] == pytest.approx(times[np.isfinite(times)], abs=1e-12)

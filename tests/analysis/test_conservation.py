@@ -8,9 +8,9 @@ from small_problems import problem, written_down
 from stock_lammps import scene
 from synthetic_waves import of_keys
 
-from analysis.conservation import STORED, Account, Conservation, EnergyBudget
+from analysis.conservation import STORED, Account, AccountMeter, ConservationMeter
+from analysis.figures.drawing import draw
 from analysis.quantity import plain
-from analysis.trajectory import watch
 from lammps_inputs import Kick, physics
 from lammps_inputs.laws.in_time import Rectangular, Sine
 from lammps_inputs.loads import Load
@@ -28,7 +28,7 @@ def found():
 
 
 def seen(*blocks):
-    return watch(Conservation(), blocks)
+    return ConservationMeter(blocks[0].problem).read(blocks)
 
 
 def test_an_exact_run_keeps_both(found):
@@ -151,7 +151,7 @@ def exchanging(problem, motion, cuts):
 
 
 def account_of(problem, motion, cuts=()):
-    return watch(EnergyBudget(problem), exchanging(problem, motion, cuts)).result()
+    return AccountMeter(problem).read(exchanging(problem, motion, cuts))
 
 
 @pytest.mark.parametrize("cuts", [(), (1, 7, 30)])
@@ -190,7 +190,7 @@ def test_of_a_long_run_every_so_manieth_frame_and_the_last_count_wherever_blocks
     counted = sorted({*range(0, 1201, 3), problem.frames})
     assert account.time.tolist() == (np.array(counted) * problem.every).tolist()
     assert account.energy_input[-1] == pytest.approx(0.5 + 0.7 * duration)
-    assert "cut short" not in BudgetMeasurement(problem, account).draw().get_suptitle()
+    assert "cut short" not in draw(BudgetMeasurement(problem, account).sheet()).get_suptitle()
 
 
 @pytest.mark.parametrize("si", [False, True])
@@ -228,9 +228,8 @@ def test_of_what_a_drive_took_back_no_shares_are_told(left, shares):
 
 def test_energy_before_any_input_is_an_infinite_drift():
     pushed = of_keys(**{**PLAIN, "kick": None, "push": {"peak": 1.0, "duration": 1.0, "shape": "half-sine"}})
-    seen, still = Conservation(), written_down(pushed, lambda t: (0.0 * t + np.arange(8.0)[::-1], 0.0 * t))[:1]
-    seen.add(replace(still, exchange=np.zeros((1, 5))))
-    assert seen.energy_drift == np.inf
+    still = written_down(pushed, lambda t: (0.0 * t + np.arange(8.0)[::-1], 0.0 * t))[:1]
+    assert seen(replace(still, exchange=np.zeros((1, 5)))).energy_drift == np.inf
 
 
 def test_a_heavy_bead_is_kicked_with_its_own_energy():

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from stock_lammps import scene
 
-from analysis.contacts import LargestOverlap, shown_by_frames
-from analysis.trajectory import Trajectory, watch
+from analysis.contacts import OverlapMeter, shown_by_frames
+from analysis.trajectory import Trajectory
 from lammps_inputs import Output
 
 
@@ -16,7 +16,7 @@ def states(*displacement, **changes):
 
 
 def found(*blocks):
-    return watch(LargestOverlap(), blocks).value
+    return OverlapMeter(blocks[0].problem).read(blocks).value
 
 
 def test_it_is_how_far_a_bead_has_come_upon_the_next_of_its_chain():

@@ -30,11 +30,12 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from analysis import motion
-from analysis.conservation import Conservation
+from analysis.conservation import ConservationMeter
 from analysis.files.recording import blocks
+from analysis.meters import measured
 from analysis.quantity import csv_of
 from analysis.tracking.leading_waves import leading_waves
-from analysis.tracking.peaks import PeakFinder, find_peaks
+from analysis.tracking.peaks import PeakMeter, find_peaks
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, Scene, System, file_names, library, physics, strict_yaml
 from lammps_inputs.chains import coupled_chains
@@ -268,11 +269,9 @@ def ours(directory: Path, one: Scene) -> None:
     directory.mkdir()
     scene_files.write(one, directory)
     lammps_seconds(directory, (directory / file_names.DECK).read_text())
-    finder, conservation = PeakFinder(), Conservation()
-    for block in blocks([directory / file_names.DUMP], one.problem()):
-        finder.add(block)
-        conservation.add(block)
-    (directory / "waves.csv").write_text(csv_of(leading_waves(finder.result(), one.problem()), one.scale))
+    meters = {"peaks": PeakMeter(), "conservation": ConservationMeter(one.problem())}
+    peaks = measured(meters, blocks([directory / file_names.DUMP], one.problem()))["peaks"]
+    (directory / "waves.csv").write_text(csv_of(leading_waves(peaks, one.problem()), one.scale))
 
 
 def reader_ratios(root: Path) -> Iterator[Ratio]:

@@ -19,7 +19,7 @@ from PIL import Image
 from analysis.figures.style import legend_below, picture, styled
 from workflow.cli import main
 from workflow.formats import written_as
-from workflow.verdicts import analyse
+from workflow.verdicts import analysis_files
 
 FOLDER = Path(__file__).parents[2] / ".github"
 
@@ -159,7 +159,7 @@ def draw(names: list[str], home: Path) -> None:
         directory, found = home / scene, {}
         if not directory.exists():
             assert main(["run", scene, "-o", str(directory), "--no-check"]) == 0
-        analyse.write_figure = lambda _, made, figure, found=found: found.setdefault(made, figure) and ()
+        analysis_files.write_figure = lambda _, made, figure, found=found: found.setdefault(made, figure) and ()
         width = INCHES[0] if name.startswith("gallery/") else PAGE
         assert main(["analyze", str(directory), "--width", str(width)]) == 0
         with written_as(("png",), width):

@@ -20,7 +20,7 @@ from lammps_inputs.links import Across
 from workflow.engines.reference.engine import run as trajectory
 from workflow.prepare.settings import settle
 from workflow.runs.run import run
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 

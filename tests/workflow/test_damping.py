@@ -12,9 +12,9 @@ import pytest
 from stock_lammps import scene
 from wrong_runs import causes, without_uncertainties
 
-from analysis.conservation import Account, Conservation
-from analysis.tracking.peaks import PeakFinder
-from analysis.trajectory import Trajectory, joined, watch
+from analysis.conservation import Account, ConservationMeter
+from analysis.tracking.peaks import PeakMeter
+from analysis.trajectory import Trajectory, joined
 from lammps_inputs import Kick, Scene, laws
 from lammps_inputs.ingredients.contact import Contact
 from lammps_inputs.ingredients.damping import Damping
@@ -31,7 +31,7 @@ from workflow.runs.check import closing
 from workflow.runs.completed_run import CompletedRun
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 from workflow.verdicts.validate import TOLERANCES, validate
 
 
@@ -46,10 +46,9 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> CompletedRun:
 
 def budget(blocks: Iterable[Trajectory], keeper: Accountant | None = None) -> tuple[float, Account]:
     """What is missing at most, and where the energy is."""
-    seen = Conservation(None if keeper is None else keeper.of)
-    for block in blocks:
-        seen.add(block)
-    return seen.energy_drift, seen.budget.result()
+    first, *others = blocks if keeper is None else keeper.counted(blocks)
+    seen = ConservationMeter(first.problem).read([first, *others])
+    return seen.energy_drift, seen.budget
 
 
 @pytest.mark.slow
@@ -140,7 +139,7 @@ def test_frames_that_are_followed_by_the_reference_have_the_ledger_of_its_own_ru
     problem = damped(every=0.5).problem()
     own = engine.run(problem)
     keeper = Accountant(problem)
-    again = keeper.of(replace(own, exchange=None))
+    again = joined(keeper.counted([replace(own, exchange=None)]))
     assert 0.0 < keeper.uncertainty < 1e-6
     # where beads at rest are reached within a step, the run has them from the next part of it on
     np.testing.assert_allclose(again.exchange, own.exchange, rtol=0.0, atol=1e-10)
@@ -159,7 +158,7 @@ def test_weak_damping_slows_the_pulse_by_its_law(name: str) -> None:
     """From the energy of the exact wave: amplitude to this power changes evenly from bead to bead."""
     keys, power, rate, within = LAWS[name]
     asked = scene(beads=130, duration=165.0, damping=Damping(**keys))
-    peaks = watch(PeakFinder(first_only=True), engine.blocks(asked.problem())).result()
+    peaks = PeakMeter(first_only=True).read(engine.blocks(asked.problem()))
     beads = np.arange(40, 102)
     amplitude = np.array([peaks.velocity[peaks.bead == bead][0] for bead in beads])
     coefficient = next(value for value in keys.values() if isinstance(value, float))

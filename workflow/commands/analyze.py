@@ -20,7 +20,8 @@ from analysis.tracking.leading_waves import ARRIVALS
 from lammps_inputs import InputError
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import CommandResult, print_files, print_heading, print_table
-from workflow.verdicts.analyse import Analysis, analyse
+from workflow.verdicts.analyse import Analysis
+from workflow.verdicts.analysis_files import analyse
 from workflow.verdicts.analysis_lines import lines
 from workflow.verdicts.analysis_report import REPORT
 

@@ -9,7 +9,7 @@ from lammps_inputs import InputError, plugins
 from lammps_inputs.complaints import suggestion
 from workflow.checked import Between, checked
 from workflow.inputs import AnyRun, directory_of
-from workflow.verdicts import analyse as analysing
+from workflow.verdicts import analysis_files
 from workflow.verdicts import validate as validating
 from workflow.verdicts.analyse import Analysis
 from workflow.verdicts.validate import Validation
@@ -55,7 +55,7 @@ def analyze(
     chosen, directory = None if beads is None else tuple(beads), directory_of(run)
 
     def analysis() -> Analysis:
-        return analysing.analyse(directory, beads=chosen, figures=figures, arrival=arrival)
+        return analysis_files.analyse(directory, beads=chosen, figures=figures, arrival=arrival)
 
     if not gradient and by is None:
         return analysis()

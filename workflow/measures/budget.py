@@ -2,17 +2,15 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Self
 
 import numpy as np
 
 from analysis.conservation import Account, Conservation
+from analysis.figures import averages
+from analysis.figures.panels import Curve, FrameContent, Panel, Sheet, axis_unit, title
 from analysis.quantity import declare, result
-from analysis.trajectory import Floats
 from workflow.measures.measurement import Measurement, Recorded
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 _STORED = {
     "kinetic": "#0072B2",
@@ -44,20 +42,6 @@ class ClosedAccount(Account):
     stated: float | None = declare("error of the velocities that the run states", "V", "it states none")
 
 
-class BudgetCurves(NamedTuple):
-    """Energies of a budget, each [instant]; moving means over a duration in units of T, 0 where they are none."""
-
-    stored: dict[str, Floats]
-    losses: dict[str, Floats]
-    energy_input: Floats
-    mean_over: float
-
-    @property
-    def by_words(self) -> dict[str, Floats]:
-        """Energies stored and dissipated, [instant] each, by their names in a legend."""
-        return {_WORDS.get(name, name): part for name, part in (*self.stored.items(), *self.losses.items())}
-
-
 @dataclass(frozen=True, repr=False)
 class BudgetMeasurement(Measurement):
     """The account, and how well it is known."""
@@ -81,79 +65,44 @@ class BudgetMeasurement(Measurement):
         yield self.values.sentence(self.problem.scale)
         yield self.sentence
 
-    @property
-    def drawable(self) -> bool:
-        """Whether there is more than one instant."""
-        return len(self.values.time) > 1
-
-    def curves(self) -> BudgetCurves:
-        """Curves of the budget that are large enough to be drawn.
-
-        Where instants are too far apart to show how energy oscillates, they are moving means.
-        """
-        from analysis.figures import averages  # matplotlib takes half a second to import
-
-        account = self.values
-        largest = account.most
-        width = averages.oscillations_to_average(account.kinetic, largest)
-        stored, losses = (
-            {
-                name: averages.moving_mean(part, width)
-                for name, part in parts.items()
-                if np.max(np.abs(part)) > _NOTICED * largest
-            }
-            for parts in (account.stored, account.losses)
-        )
-        return BudgetCurves(
-            stored, losses, averages.moving_mean(account.energy_input, width), averages.half_width(account.time, width)
-        )
-
-    def draw(self) -> "Figure":
+    def sheet(self) -> Sheet | None:
         """Energy held, and above it energy dissipated, by where and by source, in layers; the energy input as a line.
 
-        Where instants are too far apart to show how energy oscillates, moving means are drawn.
+        What is never large enough to be seen is left out. Where instants are too far apart to show how energy
+        oscillates, the curves are moving means.
         """
-        from analysis.figures import averages, style  # matplotlib takes half a second to import
-
         problem, account = self.problem, self.values
+        if len(account.time) < 2:
+            return None
         largest = account.most
-        time, energy = (
-            style.axis_unit(problem, "time", float(account.time[-1])),
-            style.axis_unit(problem, "energy", largest),
+        time, energy = axis_unit(problem, "time", float(account.time[-1])), axis_unit(problem, "energy", largest)
+        width = averages.oscillations_to_average(account.kinetic, largest)
+        t, colours = account.time * time.worth, iter(_LOST)  # there are five at most
+        layers = []
+        for name, part in (*account.stored.items(), *account.losses.items()):
+            if np.max(np.abs(part)) > _NOTICED * largest:
+                lost = name not in _STORED
+                look = {"facecolor": next(colours) if lost else _STORED[name], "hatch": "////" if lost else ""}
+                values = averages.moving_mean(part, width) * energy.worth
+                layers.append(Curve(_WORDS.get(name, name), t, values, look=look))
+        energy_input = averages.moving_mean(account.energy_input, width) * energy.worth
+        # a drive may begin by taking up energy
+        ends = 1.06 * min(0.0, float(np.min(energy_input))), 1.06 * float(np.max(energy_input))
+        panel = Panel(
+            time.axis(Account, "time", ends=(t[0], t[-1])),
+            energy.axis(FrameContent, "energy", ends=ends),
+            (Curve("energy input", t, energy_input, look={"color": "black"}),),
+            remark=averages.averaged(averages.half_width(account.time, width), time),
+            layers=tuple(layers),
         )
-        colours = iter(_LOST)  # there are five at most
-        stored, losses, energy_input, mean_over = self.curves()
-        layers = [(_WORDS.get(name, name), part, _STORED[name], "") for name, part in stored.items()]
-        layers += [(name, part, next(colours), "////") for name, part in losses.items()]
-        with style.settings():
-            figure = style.new_figure(4.2)
-            axis = figure.subplots()
-            below, t = np.zeros_like(account.time), account.time * time.worth
-            for name, part, colour, hatch in layers:
-                above = below + part * energy.worth
-                axis.fill_between(
-                    t, below, above, facecolor=colour, hatch=hatch, edgecolor="white", linewidth=0.0, label=name
-                )
-                below = above
-            axis.plot(t, energy_input * energy.worth, color="black", label="energy input")
-            axis.set_xlim(t[0], t[-1])
-            least = min(0.0, float(np.min(energy_input)))  # a drive may begin by taking up energy
-            axis.set_ylim(1.06 * least * energy.worth, 1.06 * float(np.max(energy_input)) * energy.worth)
-            axis.set_xlabel(time.label(Account, "time"))
-            axis.set_ylabel(energy.label(style.FrameContent, "energy") + averages.averaged(mean_over, time))
-            style.head(figure, style.title(problem, until=float(account.time[-1])))
-            handles, labels = axis.get_legend_handles_labels()
-            style.legend_beside(figure, handles[::-1], labels[::-1], handleheight=1.4)  # as the layers lie
-        return figure
+        return Sheet(title(problem, until=float(account.time[-1])), [[panel]], 4.2)
 
     @classmethod
-    def of_energies(
-        cls, run: Recorded, conservation: Conservation, between_frames: float
-    ) -> "BudgetMeasurement | None":
+    def of_energies(cls, run: Recorded, conservation: Conservation, between_frames: float) -> Self | None:
         """The budget of a run; None where nothing is exchanged, and where not all beads are recorded."""
         if conservation.budget is None:
             return None
-        account = conservation.budget.result()
+        account = conservation.budget
         stated = run.job.check or run.job.uncertainty
         closed_account = ClosedAccount(
             **vars(account),

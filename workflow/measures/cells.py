@@ -7,10 +7,12 @@ is the least piece of a pattern that repeats, one bead without one.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from analysis import motion
+from analysis.meters import Meter, Part
 from analysis.quantity import declare, result
 from analysis.shape.long_waves import period_of, repeats_between
 from analysis.shape.waveforms import reach
@@ -18,11 +20,10 @@ from analysis.sharing.equipartition import dissipates
 from analysis.sharing.survey import Survey
 from analysis.tracking.pulses import Pulse
 from analysis.tracking.undisturbed import CLEAR
-from analysis.trajectory import Floats, Integers, Trajectory, along_the_way
+from analysis.trajectory import Floats, Integers, along_the_way
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.unequal import Replacement
-from workflow.measures.measurement import MOST_CHAINS, Measurement, Meter, Recorded
+from workflow.measures.measurement import MOST_CHAINS, Measurement, Recorded
 
 SMALLEST_LOSS = 1e-8
 """Smallest share of the energy per cell that is printed; below it frames and time steps decide."""
@@ -33,6 +34,8 @@ AT_REST = 0.01
 
 INPUT = "energy input"
 """Unit of shares."""
+
+BY_FRAMES = "by the time between frames and by the run (``run_error``)"
 
 UNLIKE_CELLS = "cells there are unlike, energy also goes to other chains or is dissipated, or the pulse ran no cell"
 
@@ -52,6 +55,11 @@ class Left:
         undefined=f"{UNLIKE_CELLS}; fewer than three cells",
     )
     deviation: float = declare("largest relative difference of the energy from that law", undefined="as ``rate``")
+    carried_error: float = declare(f"uncertainty of ``carried`` {BY_FRAMES}", INPUT)
+    per_cell_error: float = declare(
+        "uncertainty of ``per_cell`` by those of the energies at both ends", INPUT, "as ``per_cell``"
+    )
+    rate_error: float = declare("uncertainty of ``rate`` by those of the energies", undefined="as ``rate``")
 
 
 @result
@@ -72,6 +80,7 @@ class Split:
         "chains are coupled or lose energy; anything but that pulse has crossed the bead or is about to; or the bead "
         "still has part of it",
     )
+    incident_error: float = declare(f"uncertainty of ``incident`` {BY_FRAMES}", INPUT, "as ``incident``")
 
 
 @result
@@ -85,6 +94,9 @@ class CellEnergies:
         UNLIKE_CELLS,
         column="residual energy per cell",
     )
+    residual_energy_error: float = declare(
+        f"uncertainty of ``residual_energy`` {BY_FRAMES}", INPUT, "as ``residual_energy``"
+    )
     chains: tuple[Left | None, ...] = declare("of each chain", undefined="no pulse ran there")
     last_bead: tuple[float | None, ...] = declare(
         "largest kinetic energy of the last bead of each chain", INPUT, "no pulse came there"
@@ -95,104 +107,113 @@ class CellEnergies:
 def left(survey: Survey, chain: int, period: int) -> Left | None:
     """Energy that the leading pulse of a chain, from 1, loses in the second half of its path; None without any."""
     problem = survey.problem
-    position, share, pulse = _along(survey, chain)
+    position, share, error, pulse = _along(survey, chain)
     clear = position <= problem.beads - CLEAR
-    position, share, pulse = position[clear], share[clear], pulse[clear]
+    position, share, error, pulse = position[clear], share[clear], error[clear], pulse[clear]
     if len(position) == 0:
         return None
     last = int(position[-1])
     like = ((last - position) % period == 0) & (pulse == pulse[-1])
-    position, share = position[like], share[like]
+    position, share, error = position[like], share[like], error[like]
     start = int(np.argmin(np.abs(position - last / 2.0)))
-    position, share = position[start:], share[start:]
+    position, share, error = position[start:], share[start:], error[start:]
     cells = (last - int(position[0])) // period
     ends = along_the_way(problem, int(position[0])), along_the_way(problem, last)
     low, high = min(ends) - reach(problem), max(ends) + reach(problem)
     alone = len(physics.tied_to(problem.system, chain - 1)) == 1 and not dissipates(problem.system)
     if not (cells and alone and repeats_between(problem.system, chain - 1, low, high, period)):
-        return Left(*ends, float(share[-1]), math.nan, math.nan, math.nan)
-    return Left(
-        *ends, float(share[-1]), float(share[0] - share[-1]) / cells, *_law((position - position[0]) / period, share)
-    )
+        unknown = math.nan
+        return Left(*ends, float(share[-1]), unknown, unknown, unknown, float(error[-1]), unknown, unknown)
+    rate, deviation, rate_error = _law((position - position[0]) / period, share, error)
+    lost, lost_error = float(share[0] - share[-1]) / cells, float(error[0] + error[-1]) / cells
+    return Left(*ends, float(share[-1]), lost, rate, deviation, float(error[-1]), lost_error, rate_error)
 
 
-def _along(survey: Survey, chain: int) -> tuple[Integers, Floats, Integers]:
+def _along(survey: Survey, chain: int) -> tuple[Integers, Floats, Floats, Integers]:
     """Beads that leading pulses pass clear of the kicked ones, along their way.
 
-    Also their share of the energy input there, and the number of the pulse; each [bead].
+    Also their share of the energy input there, its uncertainty, and the number of the pulse; each [bead].
     """
     problem, in_chain = survey.problem, survey.waves.chain == chain
     position, pulse = along_the_way(problem, survey.waves.bead[in_chain]), survey.waves.pulse[in_chain]
-    share = survey.shape.energy[in_chain] / survey.shared.energy
+    share, error = (
+        values[in_chain] / survey.shared.energy for values in (survey.shape.energy, survey.shape.energy_error)
+    )
     order = np.argsort(position)
-    position, share, pulse = position[order], share[order], pulse[order]
+    position, share, error, pulse = position[order], share[order], error[order], pulse[order]
     kicked = [
         along_the_way(problem, bead)
         for _, bead, excitation in physics.excitations(problem.system)
         if excitation * survey.direction > 0.0
     ]
     defined = np.isfinite(share) & (position > max(kicked) + reach(problem))  # none of the energy of kicked beads
-    return position[defined], share[defined], pulse[defined]
+    return position[defined], share[defined], error[defined], pulse[defined]
 
 
-def _law(cell: Floats, share: Floats) -> tuple[float, float]:
-    """Rate of the exponential law of the energy at beads that are whole cells apart, and the deviation from it."""
+def _law(cell: Floats, share: Floats, error: Floats) -> tuple[float, float, float]:
+    """Rate of the exponential law of the energy at beads that are whole cells apart, deviation from it, rate's error.
+
+    The slope of the fitted line is a sum of logarithms with weights, whose errors are those of the energies over them.
+    """
     if len(cell) < 3 or not np.all(share > 0.0):
-        return math.nan, math.nan
+        return math.nan, math.nan, math.nan
     slope, start = np.polyfit(cell, np.log(share), 1)
-    return float(-np.expm1(slope)), float(np.max(np.abs(share / np.exp(start + slope * cell) - 1.0)))
+    offset = cell - np.mean(cell)
+    of_slope = float(np.sum(np.abs(offset) * error / share) / np.sum(offset**2))
+    deviation = float(np.max(np.abs(share / np.exp(start + slope * cell) - 1.0)))
+    return float(-np.expm1(slope)), deviation, float(np.exp(slope)) * of_slope
 
 
-class CellMeter(Meter):
-    """Energy of the beads in the last frame, and the largest kinetic energy of those at the far end.
+@dataclass(frozen=True)
+class FinalEnergies:
+    """What the frames of a run show of the energy of beads, in units of m V**2.
 
-    The run has all beads recorded and is given block by block.
+    Attributes:
+        beads: [chain, bead] energy of each bead in the last frame.
+        last_bead: [chain] largest kinetic energy of the last bead on the way of the leading waves.
     """
 
-    def __init__(self, problem: Problem, replaced: tuple[Replacement, ...] = ()) -> None:
-        self.problem, self._replaced = problem, replaced
-        self._last = -1 if problem.direction > 0 else 0
-        self.beads: Floats | None = None
-        self._end = np.zeros(problem.chains)
+    beads: Floats
+    last_bead: Floats
 
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames, from the first of the run on."""
-        self.beads = motion.bead_energy(block.system_at(-1), block.displacement[-1], block.velocity[-1])
-        mass = physics.mass_of(block.problem.system, slice(None), self._last)
-        self._end = np.maximum(self._end, np.max(0.5 * mass * block.velocity[..., self._last] ** 2, axis=0))
-
-    def end(self, survey: Survey, chain: int) -> float | None:
+    def at_end(self, survey: Survey, chain: int) -> float | None:
         """Largest kinetic energy of the last bead on the pulse's path over the energy input; None without a pulse."""
         position = along_the_way(survey.problem, survey.waves.bead[survey.waves.chain == chain])
         arrived = survey.problem.beads in position and survey.shared.energy > 0.0
-        return float(self._end[chain - 1] / survey.shared.energy) if arrived else None
+        return float(self.last_bead[chain - 1] / survey.shared.energy) if arrived else None
 
     def split(self, survey: Survey, chain: int, bead: int) -> Split:
         """Energy of a chain at the end before a bead, in it and beyond it."""
-        assert self.beads is not None
         share = self.beads[chain - 1] / survey.shared.energy
         before, at, beyond = float(share[: bead - 1].sum()), float(share[bead - 1]), float(share[bead:].sum())
-        place, (position, carried, _) = along_the_way(survey.problem, bead), _along(survey, chain)
+        place, (position, carried, error, _) = along_the_way(survey.problem, bead), _along(survey, chain)
         come = np.flatnonzero(position < place - reach(survey.problem))
-        incident = float(carried[come[-1]]) if len(come) else math.nan
+        incident, off = (float(carried[come[-1]]), float(error[come[-1]])) if len(come) else (math.nan, math.nan)
         gone = beyond if survey.direction > 0 else before
         reflected = incident - at - gone if _only_once(survey, chain, bead) and at < AT_REST * incident else math.nan
-        return Split(chain, bead, before, at, beyond, incident, reflected)
+        return Split(chain, bead, before, at, beyond, incident, reflected, off)
 
-    def finish(self, survey: Survey) -> "CellMeasurement":
-        """What the leading pulses carry through unlike beads, and leave."""
-        system = self.problem.system
-        chains, beads = range(1, self.problem.chains + 1), period_of(system)
-        each = tuple(left(survey, chain, beads) for chain in chains)
-        kicked = each[physics.largest_excitation(system)[0] - 1]
-        energies = CellEnergies(
-            beads=beads,
-            residual_energy=math.nan if kicked is None else kicked.per_cell,
-            chains=each,
-            last_bead=tuple(self.end(survey, chain) for chain in chains),
-            replaced=tuple(self.split(survey, replacement.chain, replacement.bead) for replacement in self._replaced),
-        )
-        return CellMeasurement(self.problem, energies)
+
+class CellMeter(Meter[FinalEnergies, FinalEnergies]):
+    """Energy of the beads in the last frame, and the largest kinetic energy of those at the far end.
+
+    The run has all beads recorded.
+    """
+
+    def of_part(self, part: Part) -> FinalEnergies:
+        """Those of a part; the energy of each bead of the last part alone."""
+        block = part.frames
+        last = -1 if block.problem.direction > 0 else 0
+        mass = physics.mass_of(block.problem.system, slice(None), last)
+        largest = np.max(0.5 * mass * block.velocity[..., last] ** 2, axis=0)
+        beads = np.empty((0, 0))
+        if part.is_last:
+            beads = motion.bead_energy(block.system_at(-1), block.displacement[-1], block.velocity[-1])
+        return FinalEnergies(beads, largest)
+
+    def result(self, pieces: list[FinalEnergies]) -> FinalEnergies:
+        """Those of the run."""
+        return FinalEnergies(pieces[-1].beads, np.max([piece.last_bead for piece in pieces], axis=0))
 
 
 def _only_once(survey: Survey, chain: int, bead: int) -> bool:
@@ -258,4 +279,25 @@ class CellMeasurement(Measurement):
         pulses = problem.system.holds(Fact.PULSE) and problem.system.holds(Fact.SONIC_VACUUM)
         if not (problem.rows.complete and pulses) or physics.alike(problem.system):
             return None
-        return CellMeter(problem, tuple(run.scene.replace or ()))
+        return CellMeter()
+
+    @classmethod
+    def of_run(cls, run: Recorded, survey: Survey, measured: FinalEnergies | None) -> Self | None:
+        """What the leading pulses carry through unlike beads, and leave."""
+        if measured is None:
+            return None
+        system = run.problem.system
+        chains, beads = range(1, run.problem.chains + 1), period_of(system)
+        each = tuple(left(survey, chain, beads) for chain in chains)
+        kicked = each[physics.largest_excitation(system)[0] - 1]
+        energies = CellEnergies(
+            beads=beads,
+            residual_energy=math.nan if kicked is None else kicked.per_cell,
+            residual_energy_error=math.nan if kicked is None else kicked.per_cell_error,
+            chains=each,
+            last_bead=tuple(measured.at_end(survey, chain) for chain in chains),
+            replaced=tuple(
+                measured.split(survey, replacement.chain, replacement.bead) for replacement in run.scene.replace or ()
+            ),
+        )
+        return cls(run.problem, energies)

@@ -2,32 +2,12 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Self
 
-from analysis.contacts import LargestOverlap, shown_by_frames
+from analysis.contacts import LargestOverlap, OverlapMeter, overlap_meter
 from analysis.sharing.survey import Survey
-from analysis.trajectory import Trajectory
-from workflow.measures.measurement import Measurement, Meter, Recorded
+from workflow.measures.measurement import Measurement, Recorded
 from workflow.runs.contacts import LargestContactForce, has_contacts, of_overlap
-
-
-class ContactMeter(Meter):
-    """Largest overlaps by the frames; where these do not show them, the largest possible ones."""
-
-    def __init__(self, run: Recorded) -> None:
-        self.run = run
-        self._overlap = LargestOverlap()
-        self._shown = shown_by_frames(run.problem)
-
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames."""
-        if self._shown:
-            self._overlap.add(block)
-
-    def finish(self, survey: Survey) -> "ContactMeasurement | None":
-        """The largest contact force; None without a material."""
-        del survey
-        largest = of_overlap(self.run.scene, self._overlap)
-        return None if largest is None else ContactMeasurement(self.run.problem, largest)
 
 
 @dataclass(frozen=True, repr=False)
@@ -43,6 +23,13 @@ class ContactMeasurement(Measurement):
         yield from self.values.lines()
 
     @classmethod
-    def meter(cls, run: Recorded) -> ContactMeter | None:
-        """Contacts of elastic spheres with a material."""
-        return ContactMeter(run) if has_contacts(run.scene, run.problem) else None
+    def meter(cls, run: Recorded) -> OverlapMeter | None:
+        """Overlaps of elastic spheres with a material, where frames show them."""
+        return overlap_meter(run.problem) if has_contacts(run.scene, run.problem) else None
+
+    @classmethod
+    def of_run(cls, run: Recorded, survey: Survey, measured: LargestOverlap | None) -> Self | None:
+        """The largest contact force; where frames do not show overlaps, the largest possible one."""
+        del survey
+        force = of_overlap(run.scene, measured) if has_contacts(run.scene, run.problem) else None
+        return None if force is None else cls(run.problem, force)

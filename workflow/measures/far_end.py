@@ -6,6 +6,8 @@ exceed the numerical noise, and its largest value must lie before the last frame
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,12 +22,12 @@ from analysis.gauges.gauge import (
     far_wall,
     maximum,
 )
+from analysis.meters import Meter, Part
 from analysis.quantity import declare, result
-from analysis.sharing.survey import Survey
-from analysis.trajectory import Floats, Integers, Trajectory
+from analysis.trajectory import Floats, Integers
 from lammps_inputs import Problem, System, physics
 from lammps_inputs.facts import Fact
-from workflow.measures.measurement import Measurement, Meter, Recorded
+from workflow.measures.measurement import Measurement, Recorded
 
 PART = 10
 """The far end is the last row in so many."""
@@ -81,47 +83,80 @@ class Transmitted:
     )
 
 
-class FarEndMeter(Meter):
-    """Watches the end of the chains that the largest excitation goes towards; all beads must be recorded."""
+class _FarFrames(NamedTuple):
+    """What frames show of the far end.
 
-    def __init__(self, problem: Problem) -> None:
-        self.problem = problem
-        forward = problem.direction > 0
-        rows = max(1, problem.beads // PART)
-        self._rows = slice(problem.beads - rows, problem.beads) if forward else slice(0, rows)
-        self._near = slice(max(self._rows.start - 1, 0), self._rows.stop + 1)
-        loads, motions = problem.system.loads, problem.system.motions
-        beads = [load.bead for load in loads] + [prescribed.bead for prescribed in motions]
-        self._acted_on = any(self._rows.start < bead <= self._rows.stop for bead in beads)
-        self._acted_on |= physics.varying(problem.system)
-        wall = far_wall(problem.system)
-        self._wall = () if wall is None else (wall,)
-        self._energy: list[tuple[Floats, ...]] = []
-        self._force: list[tuple[Floats, ContactFrames]] = []
+    Attributes:
+        time: [frame] in units of T.
+        energy: [frame] energy of the last tenth of the beads, in units of m V**2.
+        rate: [frame] its rate.
+        supplied: [frame] energy input until then.
+        force: [frame, chain] force on the far wall, in units of m V / T; None where there is none.
+        contact: frames of the contact with it.
+    """
 
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames."""
-        x, v = (values[..., self._near] for values in block.atoms)
+    time: Floats
+    energy: Floats
+    rate: Floats
+    supplied: Floats
+    force: Floats | None
+    contact: ContactFrames | None
+
+
+@dataclass(frozen=True)
+class FarEndMeter(Meter[_FarFrames, Transmitted]):
+    """What arrives at the end of the chains that the largest excitation goes towards, in a run of all beads.
+
+    Attributes:
+        problem: what was run.
+    """
+
+    problem: Problem
+
+    @cached_property
+    def _rows(self) -> slice:
+        """Positions of the last tenth of the beads."""
+        rows = max(1, self.problem.beads // PART)
+        return slice(self.problem.beads - rows, self.problem.beads) if self.problem.direction > 0 else slice(0, rows)
+
+    @cached_property
+    def _wall(self) -> Gauge | None:
+        return far_wall(self.problem.system)
+
+    @property
+    def _acted_on(self) -> bool:
+        """Whether forces from outside act on the last tenth of the beads."""
+        system = self.problem.system
+        beads = [load.bead for load in system.loads] + [prescribed.bead for prescribed in system.motions]
+        return physics.varying(system) or any(self._rows.start < bead <= self._rows.stop for bead in beads)
+
+    def of_part(self, part: Part) -> _FarFrames:
+        """Energy and force at the frames of a part."""
+        block, near = part.frames, slice(max(self._rows.start - 1, 0), self._rows.stop + 1)
+        x, v = (values[..., near] for values in block.atoms)
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
             system = block.system
-            a = motion.acceleration(system, x, self._near.start + 1, velocity=v)
+            a = motion.acceleration(system, x, near.start + 1, velocity=v)
             # where forces depend on the past they are known for the instant after a frame, not for the one before
             back = INSTANT if system.holds(Fact.FRAMES) else 0.0
-            now, after, before = (self._stored(system, x + late * v, v + late * a) for late in (0.0, INSTANT, -back))
+            now, after, before = (
+                self._stored(system, near.start, x + late * v, v + late * a) for late in (0.0, INSTANT, -back)
+            )
             rate = (after - before) / (INSTANT + back)
-            self._energy.append((block.time.copy(), now, rate, energy_input(block)))
-            for wall in self._wall:
-                self._force.append((at_frames(block, (wall,))[..., 0], ContactFrames.of(block, wall.probes[0])))
+            force = contact = None
+            if self._wall is not None:
+                force, contact = at_frames(block, (self._wall,))[..., 0], ContactFrames.of(block, self._wall.probes[0])
+            return _FarFrames(block.time.copy(), now, rate, energy_input(block), force, contact)
 
-    def _stored(self, system: System, x: Floats, v: Floats) -> Floats:
-        """Energy of the last tenth of the beads, [frame], from states of those near."""
-        rows = slice(self._rows.start - self._near.start, self._rows.stop - self._near.start)
+    def _stored(self, system: System, start: int, x: Floats, v: Floats) -> Floats:
+        """Energy of the last tenth of the beads, [frame], from states of those from a position on."""
+        rows = slice(self._rows.start - start, self._rows.stop - start)
         x, v = x[..., : system.chains, rows], v[..., : system.chains, rows]
         return np.asarray(motion.bead_energy(system, x, v, self._rows.start + 1).sum(axis=(1, 2)))
 
-    def result(self) -> Transmitted:
-        """Transmitted quantities of the frames so far."""
-        time, energy, rate, supplied = (np.concatenate(part) for part in zip(*self._energy, strict=True))
+    def result(self, pieces: list[_FarFrames]) -> Transmitted:
+        """Transmitted quantities of all frames."""
+        time, energy, rate, supplied = (np.concatenate(values) for values in list(zip(*pieces, strict=True))[:4])
         delay = transmitted = math.nan
         if not self._acted_on:
             share = np.divide(energy, supplied, out=0.0 * supplied, where=supplied > 0.0)
@@ -129,23 +164,16 @@ class FarEndMeter(Meter):
                 delay = _reached(time, energy, rate, 0.5 * _largest(time, energy, rate, np.ones_like(time)))
             if _passed(time, share):
                 transmitted = _largest(time, energy, rate, supplied)
-        if not self._wall:
+        if self._wall is None:
             return Transmitted(math.nan, math.nan, delay, transmitted)
-        force, frames = zip(*self._force, strict=True)
-        series = time, np.concatenate(force), ContactFrames.joined(frames)
-        chains = np.arange(self.problem.chains)
-        delay, wall_force = _arrived(series, chains, self._wall[0])
-        of_single_chain = float(
-            np.fmax.reduce([_arrived(series, chain, self._wall[0])[1] for chain in chains[:, None]])
-        )
-        if np.max(series[1]) > of_single_chain:  # that of a chain in which the record ends inside the pulse
+        force = np.concatenate([piece.force for piece in pieces if piece.force is not None])
+        contact = ContactFrames.joined([piece.contact for piece in pieces if piece.contact is not None])
+        series, chains = (time, force, contact), np.arange(self.problem.chains)
+        delay, wall_force = _arrived(series, chains, self._wall)
+        of_single_chain = float(np.fmax.reduce([_arrived(series, chain, self._wall)[1] for chain in chains[:, None]]))
+        if np.max(force) > of_single_chain:  # that of a chain in which the record ends inside the pulse
             of_single_chain = math.nan
         return Transmitted(wall_force, of_single_chain, delay, transmitted)
-
-    def finish(self, survey: Survey) -> "FarEndMeasurement":
-        """Force, delay and energy of all frames."""
-        del survey
-        return FarEndMeasurement(self.problem, self.result())
 
 
 def _arrived(series: tuple[Floats, Floats, ContactFrames], chains: Integers, wall: Gauge) -> tuple[float, float]:

@@ -1,7 +1,7 @@
-"""A measurement of a run beside its waves: taken while frames pass, then written, printed and drawn.
+"""A measurement of a run beside its waves: taken from frames, then written, printed and drawn.
 
 Plug-ins take this module for measures of their own: a class from `Measurement`, declared in the entry points, has its
-values, lines, table and figure; its `Meter` sees the frames of a run, which is `Recorded`.
+values, lines, table and figure, and chooses the `Meter` of a run, which is `Recorded`.
 
 Examples:
     >>> @quantity.result
@@ -15,22 +15,18 @@ Examples:
     ['largest velocity 0.5 m/s']
 """
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar, Self
 
 from analysis import quantity
 from analysis.conservation import Conservation
+from analysis.meters import Meter
 from analysis.sharing.run_error import UNMEASURED, MeasuredError
 from analysis.sharing.survey import Survey
-from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, Scene
 from workflow.runs.job import Job
 from workflow.screen import PrintedTable
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 MOST_CHAINS = 8
 """Chains that a table shows."""
@@ -38,7 +34,7 @@ MOST_CHAINS = 8
 
 @dataclass(frozen=True)
 class Recorded:
-    """A run as meters see it, whether its frames are in a directory or in memory.
+    """A run as measures see it, whether its frames are in a directory or in memory.
 
     Attributes:
         scene: what was run.
@@ -51,18 +47,6 @@ class Recorded:
     problem: Problem
     error: MeasuredError = UNMEASURED
     job: Job = field(default_factory=Job)
-
-
-class Meter(ABC):
-    """Receives every block of frames of a run, and makes the measurement at the end."""
-
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames; by default nothing of them is needed."""
-        del block
-
-    @abstractmethod
-    def finish(self, survey: Survey) -> "Measurement | None":
-        """The measurement, with the waves, pulses and energies of the run; None where the frames do not show it."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -107,18 +91,13 @@ class Measurement:
         """What the table holds, of the type that declares its columns; None where there is none."""
         return None
 
-    @property
-    def drawable(self) -> bool:
-        """Whether there is enough to draw."""
-        return bool(self.figure)
-
-    def draw(self) -> "Figure":
-        """The figure, where it is drawable."""
-        raise NotImplementedError
+    def sheet(self) -> Any:
+        """Panels of the figure, a `Sheet` of `analysis.figures.panels`; None where there is too little to draw."""
+        return None
 
     @classmethod
-    def meter(cls, run: Recorded) -> Meter | None:
-        """Meter of the frames of a run; None where the run has none of it, or it follows from other measurements."""
+    def meter(cls, run: Recorded) -> Meter[Any, Any] | None:
+        """Meter of the frames of a run; None where the run has none of it, or it needs no frames."""
         del run
         return None
 
@@ -128,7 +107,19 @@ class Measurement:
         return "meter" in vars(cls)
 
     @classmethod
-    def of_energies(cls, run: Recorded, conservation: Conservation, between_frames: float) -> "Measurement | None":
+    def of_run(cls, run: Recorded, survey: Survey, measured: Any) -> Self | None:
+        """Measurement of a run; None where the run has none of it.
+
+        Args:
+            run: the run.
+            survey: its waves, pulses and energies.
+            measured: result of the meter, by default the values themselves; None where there is no meter.
+        """
+        del survey
+        return None if measured is None else cls(run.problem, measured)
+
+    @classmethod
+    def of_energies(cls, run: Recorded, conservation: Conservation, between_frames: float) -> Self | None:
         """Measurement that follows from the energies of all frames; None where the run has none of it.
 
         Args:

@@ -1,32 +1,32 @@
 """Contacts that yield: largest force and overlap of each, permanent overlap, and the energy dissipated.
 
-Plug-ins take this module to measure contacts that yield: a `YieldMeter` is shown a run and gives what its contacts
-keep at the end, and a table of them.
+Plug-ins take this module to measure contacts that yield: a `YieldMeter` gives what the contacts of a run keep at the
+end, and a table of them.
 
 Examples:
     >>> problem = granchain.load("plastic-contacts").problem()
     >>> frames = engine.run(problem)
-    >>> yielded, contacts = watch(plastic.YieldMeter(), frames.blocks()).result()
+    >>> yielded, contacts = plastic.YieldMeter().read(frames.blocks())
     >>> yielded.contacts, contacts.permanent[:3].round(4)  # permanent overlaps in units of L
     (54, array([0.9495, 0.6259, 0.4491]))
 """
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
 from analysis import motion
+from analysis.figures.panels import Axis, Curve, Panel, Sheet, axis_unit, shown_chains, title
+from analysis.meters import Meter, Part
 from analysis.quantity import declare, result
 from analysis.sharing.survey import Survey
 from analysis.trajectory import Flags, Floats, Integers, Trajectory
 from lammps_inputs import laws, physics
-from workflow.measures.measurement import Measurement, Meter, Recorded
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from lammps_inputs.units import Label
+from workflow.measures.measurement import Measurement, Recorded
 
 LEAST_CONTACTS = 10
 """Contacts along a chain from which on an exponent is fitted."""
@@ -68,19 +68,16 @@ class YieldTable:
     dissipated: Floats = declare("energy dissipated by yielding", "energy")
 
 
-class YieldMeter(Meter):
-    """Reads the last frame of a run of all beads."""
+class YieldMeter(Meter[Trajectory | None, tuple[Yielded, YieldTable] | None]):
+    """Contacts in the last frame of a run of all beads."""
 
-    def __init__(self) -> None:
-        self._last: Trajectory | None = None
+    def of_part(self, part: Part) -> Trajectory | None:
+        """The last frame of the run; None in other parts."""
+        return part.frames.last() if part.is_last else None
 
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames."""
-        self._last = block.last()
-
-    def result(self) -> tuple[Yielded, YieldTable] | None:
-        """Permanent overlaps at the last frame so far, and their table; None if no frame has states of contacts."""
-        last = self._last
+    def result(self, pieces: list[Trajectory | None]) -> tuple[Yielded, YieldTable] | None:
+        """Permanent overlaps at the last frame, and their table; None if no frame has states of contacts."""
+        last = pieces[-1]
         if last is None or last.contact_state is None:
             return None
         system = last.system_at(-1)
@@ -116,14 +113,6 @@ class YieldMeter(Meter):
             ),
             table,
         )
-
-    def finish(self, survey: Survey) -> "PlasticMeasurement | None":
-        """What the contacts keep; None if no frame has states of contacts."""
-        del survey
-        yielded = self.result()
-        if yielded is None or self._last is None:
-            return None
-        return PlasticMeasurement(self._last.problem, *yielded)
 
 
 @dataclass(frozen=True)
@@ -190,50 +179,43 @@ class PlasticMeasurement(Measurement):
         """Each contact."""
         return self.contacts
 
-    @property
-    def drawable(self) -> bool:
-        """Whether any contact has kept a permanent overlap, which logarithmic axes can show."""
-        return bool((self.contacts.permanent > 0.0).any())
-
-    def draw(self) -> "Figure":
+    def sheet(self) -> Sheet | None:
         """Largest force and permanent overlap over the number of the contact, on logarithmic axes.
 
         Contacts that have not begun to open are left out: their numbers are those of the end of the record. The power
         law of `Yielded` is drawn over the contacts that it was fitted to.
         """
-        from analysis.figures import style  # matplotlib takes half a second to import
-
         problem, table = self.problem, self.contacts
-        final = table.opened == 1
-        kinds = (("force", table.force), ("length", table.permanent))
-        force, length = (style.axis_unit(problem, kind, _most(values[final])) for kind, values in kinds)
-        with style.settings():
-            figure = style.new_figure(5.6)
-            axes = figure.subplots(2, 1, sharex=True)
-            for position, chain in enumerate(style.shown_chains(problem)):
+        if not (table.permanent > 0.0).any():  # logarithmic axes would show nothing
+            return None
+        final, x = table.opened == 1, Axis(Label("contact", "n"), log=True)
+        shown = []
+        for kind, name, words in (("force", "force", "largest force"), ("length", "permanent", "permanent overlap")):
+            values = table.force if name == "force" else table.permanent
+            largest = _most(values[final])
+            unit, curves = axis_unit(problem, kind, largest), []
+            for place, chain in enumerate(shown_chains(problem)):
                 of_chain = (table.chain == chain + 1) & final
-                for axis, unit, (_, values) in zip(axes, (force, length), kinds, strict=True):
-                    noticed = values[of_chain] > LEAST_DRAWN * _most(values[final])
-                    shown = np.where(noticed, values[of_chain] * unit.worth, np.nan)
-                    style.draw_chain(axis, position, chain, table.contact[of_chain], shown)
-            kicked = table.chain == physics.largest_excitation(problem.system)[0]
-            law = power_law(table.force[kicked], table.opened[kicked] == 1)
-            if law is not None:
-                fitted = law.factor * law.contact**law.exponent * force.worth
-                look = {"color": "black", "linestyle": (0, (1, 1)), "linewidth": 2.0}
-                axes[0].plot(law.contact, fitted, label=rf"$\propto n^{{{law.exponent:.3f}}}$", **look)
-            axes[0].set_ylabel(force.label(YieldTable, "force", "largest force"))
-            axes[1].set_ylabel(length.label(YieldTable, "permanent", "permanent overlap"))
-            axes[1].set_xlabel("contact $n$")
-            for axis in axes:
-                axis.set_xscale("log")
-                axis.set_yscale("log")
-            for setting in (axes[1].xaxis, axes[0].yaxis, axes[1].yaxis):
-                style.label_log_axis(setting)
-            style.finish(figure, problem, axes)
-        return figure
+                noticed = values[of_chain] > LEAST_DRAWN * largest
+                drawn = np.where(noticed, values[of_chain] * unit.worth, np.nan)
+                curves.append(Curve(f"chain {chain + 1}", table.contact[of_chain], drawn, place))
+            shown.append(Panel(x, unit.axis(YieldTable, name, words, log=True), tuple(curves)))
+        kicked = table.chain == physics.largest_excitation(problem.system)[0]
+        law = power_law(table.force[kicked], table.opened[kicked] == 1)
+        if law is not None:
+            fitted = law.factor * law.contact**law.exponent * shown[0].y.worth
+            look = {"color": "black", "linestyle": (0, (1, 1)), "linewidth": 2.0}
+            line = Curve(rf"$\propto n^{{{law.exponent:.3f}}}$", law.contact, fitted, look=look)
+            shown[0] = replace(shown[0], curves=(*shown[0].curves, line))
+        return Sheet(title(problem, each_chain=True), [[panel] for panel in shown], 5.6)
 
     @classmethod
     def meter(cls, run: Recorded) -> YieldMeter | None:
         """Contacts that yield, of runs of all beads: frames hold their states."""
         return YieldMeter() if run.problem.state_columns else None
+
+    @classmethod
+    def of_run(cls, run: Recorded, survey: Survey, measured: tuple[Yielded, YieldTable] | None) -> Self | None:
+        """What the contacts keep; None if no frame has states of contacts."""
+        del survey
+        return None if measured is None else cls(run.problem, *measured)

@@ -4,16 +4,17 @@ The higher a pulse, the faster it runs; so nothing that a window has left reache
 in it move more slowly than any of these waves is high.
 """
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple, Self
 
+from analysis.meters import Meter, Part
 from analysis.quantity import declare, derived, result
 from analysis.sharing.survey import Survey
-from analysis.tracking.leading_waves import Waves
-from analysis.trajectory import Trajectory
-from lammps_inputs import Problem
-from workflow.measures.measurement import Measurement, Meter, Recorded
+from analysis.trajectory import Floats
+from workflow.measures.measurement import Measurement, Recorded
 
 
 @result
@@ -46,33 +47,28 @@ class Residual:
         )
 
 
-class WindowMeter(Meter):
-    """Collects what leaves the window of a run that is given block by block."""
+class LeftBehind(NamedTuple):
+    """Largest velocity of a bead when a window left it, in units of V, and the number of the bead; 0 without any."""
 
-    def __init__(self, problem: Problem) -> None:
-        self.problem = problem
-        self._velocity = 0.0
-        self._bead = 0
-        self._before: Trajectory | None = None
+    velocity: float = 0.0
+    bead: int = 0
 
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames."""
-        before = self._before
-        if before is not None and block.first > before.first:
-            last = before.velocity[-1, :, : block.first - before.first].max(axis=0)
-            if last.max() > self._velocity:
-                self._velocity, self._bead = float(last.max()), int(before.beads[int(last.argmax())])
-        self._before = block
 
-    def result(self, waves: Waves) -> Residual:
-        """Residual motion in the frames so far, with the amplitude of the lowest leading wave."""
-        rows = self._before.problem.rows.width if self._before is not None else None
-        amplitude = waves.peak_velocity[waves.bead > rows // 2] if rows is not None else waves.peak_velocity[:0]
-        return Residual(rows, self._velocity, self._bead, float(amplitude.min()) if len(amplitude) else math.nan)
+class WindowMeter(Meter[tuple[int, Floats], LeftBehind]):
+    """Largest velocity that a window leaves behind."""
 
-    def finish(self, survey: Survey) -> "WindowMeasurement":
-        """Residual motion in all frames."""
-        return WindowMeasurement(self.problem, self.result(survey.waves))
+    def of_part(self, part: Part) -> tuple[int, Floats]:
+        """First bead of the window, and the largest velocity of each bead in the last frame of the part, [bead]."""
+        return part.frames.first, part.frames.velocity[-1].max(axis=0)
+
+    def result(self, pieces: list[tuple[int, Floats]]) -> LeftBehind:
+        """The largest of the velocities, [bead], of beads that parts have left."""
+        left = LeftBehind()
+        for (first, velocity), (following, _) in itertools.pairwise(pieces):
+            behind = velocity[: following - first]
+            if len(behind) and behind.max() > left.velocity:
+                left = LeftBehind(float(behind.max()), first + int(behind.argmax()))
+        return left
 
 
 @dataclass(frozen=True, repr=False)
@@ -90,4 +86,14 @@ class WindowMeasurement(Measurement):
     @classmethod
     def meter(cls, run: Recorded) -> WindowMeter | None:
         """Where there is a window."""
-        return WindowMeter(run.problem) if run.problem.rows.follow else None
+        return WindowMeter() if run.problem.rows.follow else None
+
+    @classmethod
+    def of_run(cls, run: Recorded, survey: Survey, measured: LeftBehind | None) -> Self | None:
+        """Residual motion, with the amplitude of the lowest leading wave from the middle of the first window on."""
+        rows, waves = run.problem.rows.width, survey.waves
+        if measured is None or rows is None:
+            return None
+        amplitude = waves.peak_velocity[waves.bead > rows // 2]
+        slowest = float(amplitude.min()) if len(amplitude) else math.nan
+        return cls(run.problem, Residual(rows, measured.velocity, measured.bead, slowest))

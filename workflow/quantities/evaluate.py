@@ -22,12 +22,12 @@ from typing import Any
 
 import numpy as np
 
-from analysis.conservation import Conservation
+from analysis.conservation import Conservation, ConservationMeter
 from analysis.quantity import in_units, plain_at
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import usual_arrival
-from analysis.trajectory import Floats, Trajectory, joined, watch
+from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import InputError, Problem, Scene, library, physics
 from lammps_inputs.numbers import known
 from workflow.measures.measurement import Measurement, Recorded
@@ -138,7 +138,7 @@ class _MeasuredRun:
     def exchange(self) -> list[Floats | None]:
         """Exchange of each block of frames, [frame, entry]."""
         accountant = engine_called("reference").accountant(self.problem)
-        return [accountant.of(block).exchange for block in self.frames()]
+        return [block.exchange for block in accountant.counted(self.frames())]
 
     def read(self) -> Iterator[Trajectory]:
         """Frames, with their exchange where forces from outside act."""
@@ -155,7 +155,7 @@ class _MeasuredRun:
 
     def _conservation(self) -> Conservation:
         accountant = engine_called("reference").accountant(self.problem)
-        return watch(Conservation(accountant.of), self.read())
+        return ConservationMeter(self.problem).read(accountant.counted(self.read()))
 
     @cached_property
     def _measurements(self) -> dict[str, Measurement | None]:
@@ -164,8 +164,10 @@ class _MeasuredRun:
     def measurement(self, key: str) -> Measurement | None:
         """Measurement of this key; None where the run has none."""
         if key not in self._measurements:
-            meter = MEASURED[key].meter(Recorded(self.scene, self.problem))
-            self._measurements[key] = None if meter is None else watch(meter, self.read()).finish(self.report.survey)
+            kind, run = MEASURED[key], Recorded(self.scene, self.problem)
+            meter = kind.meter(run)
+            measured = None if meter is None else meter.read(self.read())
+            self._measurements[key] = kind.of_run(run, self.report.survey, measured)
         return self._measurements[key]
 
     def value(self, name: str) -> Any:

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from analysis.contacts import LargestOverlap, shown_by_frames
+from analysis.contacts import LargestOverlap, overlap_meter
 from analysis.quantity import declare, result
-from analysis.trajectory import watch
 from lammps_inputs import Problem, Scene, System, laws, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.unequal import radii, sizes_and_moduli, unlike
@@ -85,9 +84,9 @@ def at_most(scene: Scene) -> LargestContactForce | None:
     return _contacts(scene, high, walls, measured=False)
 
 
-def of_overlap(scene: Scene, largest: LargestOverlap) -> LargestContactForce | None:
+def of_overlap(scene: Scene, largest: LargestOverlap | None) -> LargestContactForce | None:
     """The largest contact force by the frames, or `at_most` where they do not show it; None without a material."""
-    if not shown_by_frames(scene.problem()):
+    if largest is None:
         return at_most(scene)
     beads = np.maximum(largest.value if largest.each is None else largest.each, 0.0)
     return _contacts(scene, beads, [np.maximum(overlap, 0.0) for overlap in largest.walls], measured=True)
@@ -101,8 +100,8 @@ def measure(directory: RunDirectory) -> LargestContactForce | None:
     """
     if not has_contacts(directory.scene, directory.problem):
         return None
-    blocks = directory.blocks() if shown_by_frames(directory.problem) else ()
-    return of_overlap(directory.scene, watch(LargestOverlap(), blocks))
+    meter = overlap_meter(directory.problem)
+    return of_overlap(directory.scene, None if meter is None else meter.read(directory.blocks()))
 
 
 def has_contacts(scene: Scene, problem: Problem) -> bool:

@@ -19,7 +19,7 @@ its frames, enough to determine whether these are the ones that it wrote.
 
 import hashlib
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -246,24 +246,21 @@ def _state(dumps: list[Path]) -> list[tuple[int, int, int]]:
     return [(stat.st_ino, stat.st_size, stat.st_mtime_ns) for stat in stats]
 
 
-class Fingerprint:
-    """Fingerprint of frames that are given block by block, see `results`."""
+def digested(blocks: Iterable[Trajectory], digest: "hashlib._Hash") -> Iterator[Trajectory]:
+    """Consecutive frames of a run, which a digest takes on the way: that of all is their fingerprint, see `results`."""
+    for block in blocks:
+        add_frames(digest, block)
+        yield block
 
-    def __init__(self) -> None:
-        self._digest = hashlib.sha256()
 
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames."""
-        frames = states(block)
-        if block.problem.rows.follow:
-            for state in frames:
-                self._digest.update(np.int64(block.first).tobytes() + state.tobytes())
-        else:
-            self._digest.update(np.ascontiguousarray(frames).data)
-
-    def sha256(self) -> str:
-        """Fingerprint of all frames so far."""
-        return self._digest.hexdigest()
+def add_frames(digest: "hashlib._Hash", block: Trajectory) -> None:
+    """Add the next frames of a run to the digest of those before."""
+    frames = states(block)
+    if not block.problem.rows.follow:
+        digest.update(np.ascontiguousarray(frames).data)
+    else:
+        for state in frames:
+            digest.update(np.int64(block.first).tobytes() + state.tobytes())
 
 
 def results(directory: RunDirectory) -> dict[str, Any]:
@@ -281,11 +278,9 @@ def results(directory: RunDirectory) -> dict[str, Any]:
     Raises:
         InputError: there are no frames.
     """
-    fingerprint, frames = Fingerprint(), 0
-    for block in directory.blocks():
-        fingerprint.add(block)
-        frames += block.frames
-    return {"frames": frames, "sha256": fingerprint.sha256()}
+    digest = hashlib.sha256()
+    frames = sum(block.frames for block in digested(directory.blocks(), digest))
+    return {"frames": frames, "sha256": digest.hexdigest()}
 
 
 def states(block: Trajectory) -> Floats:

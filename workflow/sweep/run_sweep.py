@@ -24,7 +24,7 @@ from workflow.runs.status import Queue, cluster_queue, status
 from workflow.screen import count_bar
 from workflow.sweep.cases import CaseRequest, is_analysed, request_of, task
 from workflow.sweep.file import Sweep, SweepCase, all_cases, scene_of
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 from workflow.workers import computations
 from workflow.workers.pool import Pool, TaskResult
 

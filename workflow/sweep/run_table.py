@@ -7,7 +7,7 @@ from lammps_inputs import InputError
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep.cases import is_analysed, read_json
 from workflow.sweep.collect import SweepTable, quantities
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 from workflow.verdicts.analysis_report import REPORT
 
 

@@ -1,7 +1,7 @@
-"""Analyse a run directory: ``waves.csv``, ``analysis.json`` and the figures beside the frames, which are read twice.
+"""Analyse the frames of a run directory, which are read twice: waves, measurements, tables, and panels of figures.
 
-Plug-ins take this module for the analysis of a run: `measure` writes nothing, `analyse` writes it beside the frames,
-`default_beads` are those whose velocity is drawn, `figures_in` the figures that were drawn.
+Plug-ins take this module for the analysis of a run: `measure` makes it and writes nothing, `default_beads` are those
+whose velocity is drawn, `figures_in` the figures that were drawn.
 
 Examples:
     >>> scene = granchain.load("one-chain", {"beads": 20, "duration": 30.0})
@@ -13,6 +13,7 @@ Examples:
     (4, 11, 18)
 """
 
+import hashlib
 import math
 import warnings
 from collections.abc import Callable, Iterator
@@ -23,33 +24,32 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from analysis.conservation import Conservation
+from analysis.conservation import Conservation, ConservationMeter
 from analysis.files.binary_dump import CutDumpWarning
-from analysis.quantity import csv_of, plain
+from analysis.meters import Meter
+from analysis.quantity import csv_of
 from analysis.sharing.equipartition import runs_exact_waves
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.run_error import UNMEASURED, MeasuredError, with_run_error
-from analysis.sharing.survey import Survey, survey
+from analysis.sharing.survey import Survey, surveyed
 from analysis.tracking.leading_waves import Arrival
 from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Trajectory, along_the_way
 from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.output import too_far_apart
-from workflow.formats import figure_files, in_any_format
+from workflow.formats import in_any_format
 from workflow.measures.measurement import Measurement, Recorded
 from workflow.measures.registry import MEASUREMENTS
 from workflow.runs.engines import engine_called
 from workflow.runs.exchange import accountant
-from workflow.runs.figures import write_figure
-from workflow.runs.files import write_json, write_text
-from workflow.runs.output_directory import record_files
-from workflow.runs.run_directory import Fingerprint, RunDirectory
-from workflow.verdicts.analysis_report import REPORT, WAVES, Report, WavesTable, waves_table
+from workflow.runs.run_directory import RunDirectory, digested
+from workflow.verdicts.analysis_report import WAVES, WavesTable, waves_table
 from workflow.verdicts.pulse_table import pulse_table
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from analysis.figures.panels import Sheet
+    from analysis.figures.spacetime import BeadHistory
 
 FIGURES = ("spacetime", "response", "distance", "shape", *(kind.figure for kind in MEASUREMENTS if kind.figure))
 """All that an analysis may draw."""
@@ -134,33 +134,6 @@ class Analysis:
         return html.table(repr(self)[1:-1], head, rows) + html.text(drawn)
 
 
-def analyse(
-    directory: RunDirectory,
-    *,
-    beads: tuple[int, ...] | None = None,
-    figures: bool = True,
-    tolerances: Tolerances | None = None,
-    arrival: Arrival | None = None,
-) -> Analysis:
-    """Analyse what a directory holds, also of a run that was cut short.
-
-    Args:
-        directory: a run directory.
-        beads: whose velocity over time is drawn; by default three, see `default_beads`.
-        figures: whether to draw.
-        tolerances: within which a pulse is called solitary; by default 1% each.
-        arrival: what counts as the arrival of a wave; by default that of `leading_waves.usual_arrival`.
-
-    Returns:
-        The analysis; its tables and figures are in the directory.
-
-    Raises:
-        InputError: no frames, frames that hold what is no number, or a bead that was not recorded.
-    """
-    frames = measure(directory, beads=beads, figures=figures, tolerances=tolerances, arrival=arrival)
-    return results_of(directory, frames, _write(directory, frames))
-
-
 @dataclass(frozen=True)
 class MeasuredFrames:
     """What an analysis writes, before it is written.
@@ -173,7 +146,7 @@ class MeasuredFrames:
         tolerances: within which a pulse is called solitary.
         sha256: fingerprint of the frames that were read.
         tables: file name -> text of each CSV file.
-        figures: name -> function that draws the figure; none where none was asked for.
+        figures: name -> function that makes the panels of the figure; none where none was asked for.
     """
 
     survey: Survey
@@ -183,7 +156,7 @@ class MeasuredFrames:
     tolerances: Tolerances
     sha256: str
     tables: dict[str, str]
-    figures: "dict[str, Callable[[], Figure]]"
+    figures: "dict[str, Callable[[], Sheet]]"
 
 
 def results_of(directory: RunDirectory, frames: MeasuredFrames, drawn: tuple[Path, ...] = ()) -> Analysis:
@@ -239,24 +212,24 @@ def measure(
     shown = default_beads(problem) if beads is None else beads
     _refuse_frames(directory, shown)
     engine, run, exchange = engine_called(directory.engine), run_of(directory), accountant(directory, problem)
-    conservation, fingerprint = Conservation(), Fingerprint()
-    meters = _meters(run)
-    spacetime, history = _pictures(problem, shown) if figures else (None, None)
-    of_frames_alone = survey(
+    digest = hashlib.sha256()
+    pictures = _pictures(problem, shown) if figures else {}
+    meters = {kind.key: meter for kind in MEASUREMENTS if (meter := kind.meter(run)) is not None}
+    of_frames_alone, others = surveyed(
         lambda: _sane(directory, directory.blocks()),
         problem,
-        watchers=[conservation, fingerprint, *meters, *((history, spacetime) if figures else ())],
+        {"conservation": ConservationMeter(problem), **pictures, **meters},
         tolerances=allowed,
         arrival=arrival,
-        counted=exchange.of,
+        counted=lambda blocks: exchange.counted(digested(blocks, digest)),
         impulses=engine.impulses(directory.path, problem, problem.direction),
     )
     results = _without_errors_by_rounding(with_run_error(of_frames_alone, run.error), engine.rounded_from(run.job))
+    conservation: Conservation = others["conservation"]
     if conservation.frames == 1:  # nothing has changed yet
-        conservation.energy_drift = conservation.momentum_drift = np.nan
-        conservation.budget = None
+        conservation = replace(conservation, energy_drift=np.nan, momentum_drift=np.nan, budget=None)
     of_energies = (kind.of_energies(run, conservation, exchange.uncertainty) for kind in MEASUREMENTS)
-    measured = (*(meter.finish(results) for meter in meters), *of_energies)
+    measured = (*(kind.of_run(run, results, others.get(kind.key)) for kind in MEASUREMENTS), *of_energies)
     measurements = {measurement.key: measurement for measurement in measured if measurement is not None}
     return MeasuredFrames(
         survey=results,
@@ -264,9 +237,9 @@ def measure(
         conservation=conservation,
         measurements=measurements,
         tolerances=allowed,
-        sha256=fingerprint.sha256(),
+        sha256=digest.hexdigest(),
         tables=_tables(results, measurements),
-        figures=_makers(results, measurements, spacetime, history) if figures else {},
+        figures=_makers(results, measurements, others["spacetime"], others["response"]) if figures else {},
     )
 
 
@@ -284,20 +257,15 @@ def _refuse_frames(directory: RunDirectory, shown: tuple[int, ...]) -> None:
         raise InputError(f"{directory.path}: output.every: {why}")
 
 
-def _meters(run: Recorded) -> list[Any]:
-    """Meters of all measurements that the scene of a run allows."""
-    return [meter for kind in MEASUREMENTS if (meter := kind.meter(run)) is not None]
+def _pictures(problem: Problem, shown: tuple[int, ...]) -> dict[str, Meter[Any, Any]]:
+    """Figure -> meter of what it shows: velocity in space and time, and of some beads."""
+    from analysis.figures.spacetime import HistoryMeter, space_time_meter  # matplotlib takes half a second to import
 
-
-def _pictures(problem: Problem, shown: tuple[int, ...]) -> tuple[Any, Any]:
-    """Watchers that collect what figures show: velocity in space and time, and of some beads."""
-    from analysis.figures.spacetime import BeadHistory, SpaceTime  # matplotlib takes half a second to import
-
-    return SpaceTime(problem), BeadHistory(problem, shown)
+    return {"spacetime": space_time_meter(problem), "response": HistoryMeter(problem, np.array(shown))}
 
 
 def run_of(directory: RunDirectory) -> Recorded:
-    """The run of a directory as meters see it."""
+    """The run of a directory as measures see it."""
     return Recorded(
         scene=directory.scene,
         problem=directory.problem,
@@ -327,9 +295,10 @@ def _without_errors_by_rounding(results: Survey, rounded_from: float | None) -> 
         return results
     waves = results.waves
     follows = waves.time * results.problem.scale.time >= rounded_from
-    arrival, velocity = (np.where(follows, np.nan, error) for error in (waves.arrival_error, waves.peak_velocity_error))
-    waves = replace(waves, arrival_error=arrival, peak_velocity_error=velocity)
-    return results.replaced(passages=waves, waves=waves)
+    names = "arrival_error", "peak_velocity_error", "speed_error"
+    waves = replace(waves, **{name: np.where(follows, np.nan, getattr(waves, name)) for name in names})
+    lags = results.lags._replace(error=np.where(follows, np.nan, results.lags.error))
+    return results.replaced(passages=waves, waves=waves, lags=lags)
 
 
 def _tables(results: Survey, measurements: dict[str, Measurement]) -> dict[str, str]:
@@ -339,20 +308,6 @@ def _tables(results: Survey, measurements: dict[str, Measurement]) -> dict[str, 
         if measurement.table is not None and (rows := measurement.rows()) is not None:
             tables[measurement.table[0]] = csv_of(rows, results.problem.scale)
     return tables
-
-
-def _write(directory: RunDirectory, frames: MeasuredFrames) -> tuple[Path, ...]:
-    """Write tables, the report, and figures; returns the files of the figures."""
-    files = figure_files(*frames.figures)
-    outdated = in_any_format(*FIGURES) if frames.figures else ()
-    record_files(directory.path, (*frames.tables, REPORT, *files), outdated)
-    drawn = tuple(path for name, make in frames.figures.items() for path in write_figure(directory.path, name, make()))
-    for name, text in frames.tables.items():
-        write_text(directory.path / name, text)
-    more = {key: measurement.plain() for key, measurement in frames.measurements.items()}
-    content = Report(frames.survey, lambda: frames.conservation, frames.tolerances, frames.error)
-    write_json(directory.path / REPORT, plain(content, frames.survey.problem.scale) | more)
-    return drawn
 
 
 def _sane(directory: RunDirectory, blocks: Iterator[Trajectory]) -> Iterator[Trajectory]:
@@ -400,24 +355,24 @@ def default_beads(problem: Problem) -> tuple[int, ...]:
 
 
 def _makers(
-    results: Survey, measurements: dict[str, Measurement], spacetime: Any, history: Any
-) -> "dict[str, Callable[[], Figure]]":
-    """Name -> function that draws the figure, of every figure that has something to show."""
-    from analysis.figures.spacetime import spacetime_figure
-    from analysis.figures.waves import distance_figure, response_figure, shape_figure
+    results: Survey, measurements: dict[str, Measurement], spacetime: "BeadHistory", history: "BeadHistory"
+) -> "dict[str, Callable[[], Sheet]]":
+    """Name -> function that makes the panels of the figure, of every figure that has something to show."""
+    from analysis.figures.spacetime import spacetime_sheet
+    from analysis.figures.waves import distance_sheet, response_sheet, shape_sheet
 
     problem = results.problem
     system = problem.system
     waves = results.waves if system.holds(Fact.PULSE) else None
-    makers: dict[str, Callable[[], Figure]] = {"response": lambda: response_figure(history, waves)}
-    if spacetime is not None and len(spacetime.beads) > 1:
-        makers["spacetime"] = lambda: spacetime_figure(spacetime)
+    makers: dict[str, Callable[[], Sheet]] = {"response": lambda: response_sheet(history, waves)}
+    if len(spacetime.beads) > 1:
+        makers["spacetime"] = lambda: spacetime_sheet(spacetime)
     if len(results.shared) > 1 and system.holds(Fact.PULSE):
-        makers["distance"] = lambda: distance_figure(problem, results.shared, results.energies, results.direction)
+        makers["distance"] = lambda: distance_sheet(problem, results.shared, results.energies, results.direction)
     beads = np.unique(along_the_way(problem, results.waves.bead[np.isfinite(results.shape.residual)]))
     beads = along_the_way(problem, beads[beads <= problem.beads - CLEAR])
     if len(beads) and runs_exact_waves(system):
         early, late = beads[min(len(beads) - 1, int(np.searchsorted(along_the_way(problem, beads), 10)))], beads[-1]
-        makers["shape"] = lambda: shape_figure(problem, results.waveforms, sorted({int(early), int(late)}))
-    makers |= {measurement.figure: measurement.draw for measurement in measurements.values() if measurement.drawable}
-    return makers
+        makers["shape"] = lambda: shape_sheet(problem, results.waveforms, sorted({int(early), int(late)}))
+    sheets = {measurement.figure: measurement.sheet() for measurement in measurements.values()}
+    return makers | {name: lambda sheet=sheet: sheet for name, sheet in sheets.items() if sheet is not None}

@@ -51,12 +51,27 @@ class WavesTable(Waves):
     """
 
     lag: Floats = declare("arrival behind the wave of the kicked chain", "time", "either arrival is undefined")
+    lag_error: Floats = declare(
+        "bound on the error of the lag by those of both arrivals by the time between frames, and by the run "
+        "(``run_error``), which delays all chains nearly alike",
+        "time",
+        "as ``lag``, or an error of an arrival is",
+    )
     width: Floats = declare(
         "full width of the velocity at half its maximum", "beads", "the passage is not recorded completely"
     )
     residual: Floats = declare(
         "largest difference from the velocity of the exact wave of this peak velocity, over that",
         undefined="the passage is not recorded completely, a larger pulse overlaps, or there is no exact wave",
+    )
+    width_error: Floats = declare(
+        "uncertainty of ``width`` by the time between frames, by that of the speed and by the run (``run_error``)",
+        "beads",
+        "as ``width`` or ``speed_error``, or the passage is recorded in fewer than six frames",
+    )
+    residual_error: Floats = declare(
+        "uncertainty of ``residual`` by the time between frames and by the run (``run_error``)",
+        undefined="as ``residual``, or the error of the arrival is",
     )
     chain_energy: Floats = declare(
         "energy of the chain, with half of its springs', when the waves (on average) pass this bead",
@@ -201,22 +216,17 @@ def table_of(survey: Survey) -> WavesTable:
     shape = survey.shape
     return WavesTable(
         **vars(survey.waves),
-        lag=_lag(survey),
+        lag=survey.lags.value,
+        lag_error=survey.lags.error,
         width=shape.width,
         residual=shape.residual,
+        width_error=shape.width_error,
+        residual_error=shape.residual_error,
         chain_energy=chain_energy,
         wave_energy=wave_energy,
         chain_energy_error=chain_error,
         wave_energy_error=wave_error,
     )
-
-
-def _lag(survey: Survey) -> Floats:
-    """[wave] arrival behind the wave of the chain that was kicked at the same bead; NaN where that was not seen."""
-    waves = survey.waves
-    of_kicked = waves.of_chain(survey.shared.kicked + 1)
-    arrival = dict(zip(of_kicked.bead.tolist(), of_kicked.arrival.tolist(), strict=True))
-    return waves.arrival - np.array([arrival.get(bead, np.nan) for bead in waves.bead.tolist()], dtype=np.float64)
 
 
 def _energies(survey: Survey) -> tuple[Floats, Floats, Floats, Floats]:
@@ -306,6 +316,12 @@ class LeadingWave:
         NOT_REACHED,
         of=lambda wave: wave.column("peak_velocity_error"),
     )
+    speed_error: float | None = computed(
+        "bound on the error of the speed by those of the arrivals and by the run (``run_error``)",
+        "speed",
+        f"{NOT_REACHED}, so is the speed, or the errors exceed the time between the arrivals",
+        of=lambda wave: wave.column("speed_error"),
+    )
     arrival_reduced: float | None = computed(
         "the arrival in units of T", "T", "as ``arrival``", "t / T", of=lambda wave: wave.arrival
     )
@@ -333,7 +349,8 @@ class LeadingWave:
         if self._place is None:
             return None
         if name in declared(Waves):
-            waves = self.survey.waves if name == "speed" else self.survey.passages  # speeds are of each pulse alone
+            of_each_pulse = name in ("speed", "speed_error")
+            waves = self.survey.waves if of_each_pulse else self.survey.passages
         else:
             waves = table_of(self.survey)
         return getattr(waves, name)[self._place].item()
@@ -349,6 +366,13 @@ class EnergyShare:
         "energy input",
         "there is no such wave (gaps, loads, unlike beads, dissipation), or the energy input is not known",
         of=lambda share: share._of_exact_waves(),
+    )
+    exact_error: float | None = computed(
+        "bound on the error of ``exact`` by those of the amplitudes, by the time between frames and by the run "
+        "(``run_error``)",
+        "energy input",
+        "as ``exact``",
+        of=lambda share: share._error_of_exact_waves(),
     )
     measured: float | None = computed(
         "energy within three beads of the peaks",
@@ -371,7 +395,13 @@ class EnergyShare:
         "which all arrivals are defined",
         "energy input",
         f"there is one chain, not all beads are recorded, no pulse keeps its shape, or {TOO_COARSE}",
-        of=lambda share: share._of_chains(),
+        of=lambda share: share._of_chains(share.survey.energies.chain),
+    )
+    chains_error: Floats | None = computed(
+        "uncertainties of ``chains`` by the time between frames and by the run (``run_error``)",
+        "energy input",
+        "as ``chains``",
+        of=lambda share: share._of_chains(share.survey.energies.chain_error),
     )
 
     def _of_exact_waves(self) -> float | None:
@@ -379,15 +409,25 @@ class EnergyShare:
         defined = len(shared) and runs_exact_waves(self.survey.problem.system)
         return float(np.sum(shared.wave_share[-1])) if defined else None
 
+    def _error_of_exact_waves(self) -> float | None:
+        """Energies of exact waves are squares of amplitudes v with errors a: each is off by up to (1 + a / v)^2 - 1."""
+        shared = self.survey.shared.followed
+        if self._of_exact_waves() is None or shared.amplitude_error is None:
+            return None
+        amplitude, error = shared.amplitude[-1], shared.amplitude_error[-1]
+        relative = np.divide(error, amplitude, out=np.zeros_like(amplitude), where=amplitude > 0.0)
+        return float(np.nansum(shared.wave_share[-1] * ((1.0 + relative) ** 2 - 1.0)))
+
     def _sum(self, energy: Floats) -> float | None:
         """Energies [place, chain] of all chains at the last place."""
         pulse = self.survey.problem.system.holds(Fact.PULSE)
         return float(np.sum(energy, axis=1)[-1]) if len(energy) and pulse else None
 
-    def _of_chains(self) -> Floats | None:
-        energies, problem = self.survey.energies, self.survey.problem
-        defined = len(energies.wave) and problem.system.holds(Fact.PULSE) and problem.chains > 1
-        return energies.chain[-1] if defined else None
+    def _of_chains(self, energy: Floats) -> Floats | None:
+        """Energies [place, chain] of each chain at the last place."""
+        problem = self.survey.problem
+        defined = len(energy) and problem.system.holds(Fact.PULSE) and problem.chains > 1
+        return energy[-1] if defined else None
 
 
 @result

@@ -17,8 +17,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from analysis.compare.common_times import OtherFramesError, paired
-from analysis.compare.difference import Deviation, Difference, Uncertainty
+from analysis.compare.common_times import OtherFramesError, paired, paired_parts
+from analysis.compare.difference import Deviation, Difference, DifferenceMeter, Uncertainty
+from analysis.meters import Part
 from analysis.sharing.chain_differences import ChainDifference
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, html, physics
@@ -297,14 +298,14 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
     problem = directory.problem
     limits = limits_of(problem, tolerances)
     halving = _accurate_enough(problem, limits)
-    difference = Difference(limits, accountant(directory, problem).of)
+    run = accountant(directory, problem).counted(directory.blocks_so_far())
     try:
-        diagnosed = compared(difference, paired(directory.blocks_so_far(), halving.blocks()))
+        difference, diagnosed = _compared(limits, paired_parts(paired(run, halving.blocks())))
     except OtherFramesError as error:
         raise InputError(
             f"{directory.dump}: {error}; was the deck run with another -var every or timestep? Change the scene instead"
         ) from None
-    deviations = difference.deviations()
+    deviations = difference.deviations
     run_frames, reference_frames = (joined(pair[side] for pair in diagnosed) for side in (0, 1))
     few_digits = rounded(run_frames, reference_frames)
     diagnosable = any_exceeded(deviations, limits) and problem.rows.complete and not directory.failure
@@ -329,20 +330,21 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
     return result
 
 
-Pairs = Iterable[tuple[Trajectory, Trajectory]]
-"""Blocks of frames of a run, and of what it is compared with, of the same beads and times."""
-
-
-def compared(difference: Difference, pairs: Pairs) -> list[tuple[Trajectory, Trajectory]]:
-    """Add pairs of blocks to a difference; the first of them, of bounded size, in which a cause may be looked for."""
+def _compared(
+    limits: dict[str, float], pairs: Iterable[tuple[Part, Part]]
+) -> tuple[Difference, list[tuple[Trajectory, Trajectory]]]:
+    """Difference of two runs, and the first frames of both, of bounded size, in which a cause may be looked for."""
+    meter = DifferenceMeter(limits)
+    pieces: list[Any] = []
     first: list[tuple[Trajectory, Trajectory]] = []
     bytes_held = 0
     for pair in pairs:
-        difference.add(*pair)
+        pieces.append(meter.of_parts(*pair, pieces))
         if bytes_held < _DIAGNOSED_BYTES:
-            first.append(pair)
-            bytes_held += pair[0].velocity.nbytes * 4
-    return first
+            frames, reference_frames = (part.frames for part in pair)
+            first.append((frames, reference_frames))
+            bytes_held += frames.velocity.nbytes * 4
+    return meter.result(pieces), first
 
 
 def limits_of(problem: Problem, tolerances: dict[str, float] | None) -> dict[str, float]:

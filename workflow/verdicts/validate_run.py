@@ -8,17 +8,25 @@ Examples:
     {'coupling.stiffness': ('0.1', '0.5')}
 """
 
+import hashlib
 import math
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
-from analysis.compare.common_times import near_the_front, of_recorded, on_common_rows, paired, simultaneous
-from analysis.compare.difference import Deviation, Difference
+from analysis.compare.common_times import (
+    near_the_front,
+    of_recorded,
+    on_common_rows,
+    paired,
+    paired_parts,
+    simultaneous,
+)
+from analysis.compare.difference import Deviation, Difference, DifferenceMeter
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.sharing.chain_differences import ChainDifference, ChainMeter
 from analysis.trajectory import Trajectory
@@ -29,12 +37,11 @@ from workflow.engines.reference.step_halving import compared_rows
 from workflow.runs.engines import engine_called
 from workflow.runs.exchange import accountant
 from workflow.runs.files import RECORD
-from workflow.runs.run_directory import Fingerprint, RunDirectory, states
+from workflow.runs.run_directory import RunDirectory, add_frames, states
 from workflow.verdicts.validate import (
     HALF_WINDOW,
     RunDifference,
     Validation,
-    compared,
     error_figure,
     limits_of,
     write,
@@ -68,6 +75,8 @@ _RIGID_BEADS = (
 _NO_IMPULSE = "no bead received an impulse in both runs; a longer duration, or neighbouring recorded beads, are needed"
 
 Runs = tuple[RunDirectory, RunDirectory]
+
+Pairs = Iterator[tuple[Trajectory, Trajectory]]
 
 
 def validate_run(
@@ -112,16 +121,23 @@ def compare_runs(runs: Runs, tolerances: dict[str, float] | None = None) -> tupl
     unlimited = dict.fromkeys(_AT_AN_INSTANT, math.inf) if models_differ else {}
     limits = limits_of(directory.problem, {**unlimited, **(tolerances or {})})
     frames, fingerprints = held_by_both(runs), Fingerprints()
-    meter = ChainMeter(frames.problem, rigid_first=rigid == [directory]) if models_differ else None
-    difference = _difference(runs, frames, limits, fingerprints, meter)
-    deviations = difference.deviations()
+    meter, chain_meter = DifferenceMeter(limits), ChainMeter(frames.problem, rigid_first=rigid == [directory])
+    counted = accountant(directory, frames.problem).counted
+    pieces: list[Any] = []
+    of_chains: list[Any] = []
+    for pair in paired_parts(fingerprints.taken(frames.pairs(runs, counted), all_rows=frames.same_width)):
+        pieces.append(meter.of_parts(*pair, pieces))
+        if models_differ:
+            of_chains.append(chain_meter.of_parts(*pair))
+    difference = meter.result(pieces)
+    deviations = difference.deviations
     chains: tuple[ChainDifference, ...] = ()
-    if meter is not None:
+    if models_differ:
         engine = engine_called(rigid[0].engine)
-        impulses = engine.impulses(rigid[0].path, frames.problem, until=meter.last_time)
+        impulses = engine.impulses(rigid[0].path, frames.problem, until=difference.last_time)
         assert impulses is not None  # frames without overlaps are of engines that give them
-        of_chains, chains = meter.result(impulses, limits["impulse"])
-        deviations |= of_chains
+        together, chains = chain_meter.result(of_chains, impulses, limits["impulse"])
+        deviations = {**deviations, **together}
     result = Validation(
         problem=frames.problem,
         against=str(other.path),
@@ -234,7 +250,7 @@ def _fields(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 
 class Fingerprints:
-    """Fingerprints of the frames of two runs that are given block by block.
+    """Fingerprints of the frames of two runs, which are taken as these are read.
 
     Attributes:
         since: time of the first frame in which the two differ; None if none does.
@@ -242,21 +258,30 @@ class Fingerprints:
 
     def __init__(self) -> None:
         self.since: float | None = None
-        self._first, self._second = Fingerprint(), Fingerprint()
+        self._digests = hashlib.sha256(), hashlib.sha256()
 
-    def add(self, first: Trajectory, second: Trajectory) -> None:
-        """Take the next frames of both, at the same times and of the same beads."""
-        self._first.add(first)
-        self._second.add(second)
-        differs = np.any(states(first) != states(second), axis=(1, 2, 3))
-        if differs.any():
-            time = float(first.time[np.argmax(differs)])
-            self.since = time if self.since is None else min(time, self.since)
+    def taken(self, pairs: Pairs, *, all_rows: bool) -> Pairs:
+        """Consecutive frames of both runs, at the same times, at the rows that are compared.
+
+        Args:
+            pairs: frames of both with all their rows.
+            all_rows: whether the fingerprints are of all rows that both hold; else they are of those compared.
+        """
+        for blocks in pairs:
+            compared = where_both_hold(*blocks)
+            first, second = on_common_rows(*blocks) if all_rows else compared
+            for digest, block in zip(self._digests, (first, second), strict=True):
+                add_frames(digest, block)
+            differs = np.any(states(first) != states(second), axis=(1, 2, 3))
+            if self.since is None and differs.any():
+                self.since = float(first.time[np.argmax(differs)])
+            yield compared
 
     @property
     def sha256(self) -> tuple[str, str]:
         """Fingerprints of all frames so far, of the first run and of the second."""
-        return self._first.sha256(), self._second.sha256()
+        first, second = (digest.hexdigest() for digest in self._digests)
+        return first, second
 
     @property
     def identical(self) -> bool:
@@ -278,9 +303,15 @@ class RecordedByBoth:
     strides: tuple[int, int]
     same_width: bool
 
-    def pairs(self, runs: Runs) -> Iterator[tuple[Trajectory, Trajectory]]:
-        """Blocks of the two at these beads and times; of a window all rows of each."""
-        return simultaneous(*(self._blocks(run, stride) for run, stride in zip(runs, self.strides, strict=True)))
+    def pairs(self, runs: Runs, counted: Callable[[Iterator[Trajectory]], Iterator[Trajectory]] = iter) -> Pairs:
+        """Blocks of the two at these beads and times; of a window all rows of each.
+
+        Args:
+            runs: the two runs.
+            counted: gives frames of the first one their exchange.
+        """
+        first, second = (self._blocks(run, stride) for run, stride in zip(runs, self.strides, strict=True))
+        return simultaneous(counted(first), second)
 
     def _blocks(self, run: RunDirectory, stride: int) -> Iterator[Trajectory]:
         """The frames of one of the runs at these beads and times; a file that ends within a frame is no warning."""
@@ -293,8 +324,7 @@ class RecordedByBoth:
 
 def where_both_hold(first: Trajectory, second: Trajectory) -> tuple[Trajectory, Trajectory]:
     """Frames of two runs at the rows that are compared: of windows those near the front that both hold."""
-    near, other_near = on_common_rows(near_the_front(first), near_the_front(second))
-    return near, other_near
+    return on_common_rows(near_the_front(first), near_the_front(second))
 
 
 def held_by_both(runs: Runs) -> RecordedByBoth:
@@ -322,29 +352,7 @@ def held_by_both(runs: Runs) -> RecordedByBoth:
     return RecordedByBoth(problem, strides, same_width=first.rows.width == second.rows.width)
 
 
-def _difference(
-    runs: Runs,
-    common: RecordedByBoth,
-    limits: dict[str, float],
-    fingerprints: Fingerprints,
-    meter: ChainMeter | None = None,
-) -> Difference:
-    """How far apart two runs are where both recorded; fingerprints and chains are read on the way."""
-
-    def pairs() -> Iterator[tuple[Trajectory, Trajectory]]:
-        for blocks in common.pairs(runs):
-            near_front, other_near_front = where_both_hold(*blocks)
-            fingerprints.add(*(on_common_rows(*blocks) if common.same_width else (near_front, other_near_front)))
-            if meter is not None:
-                meter.add(near_front, other_near_front)
-            yield near_front, other_near_front
-
-    difference = Difference(limits, accountant(runs[0], common.problem).of)
-    compared(difference, pairs())
-    return difference
-
-
-def compared_pairs(runs: tuple[RunDirectory, ...], comparison: Validation) -> Iterator[tuple[Trajectory, Trajectory]]:
+def compared_pairs(runs: tuple[RunDirectory, ...], comparison: Validation) -> Pairs:
     """Blocks of a run, and of what it was compared with, at the beads and times that were compared.
 
     Args:

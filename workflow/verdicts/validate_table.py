@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from analysis.compare import common_times, start
-from analysis.compare.difference import Deviation, DeviationPlace, Difference, deviation_of
+from analysis.compare.difference import Deviation, DeviationPlace, DifferenceMeter, deviation_of
 from analysis.compare.rounding import precision, rounding_error
 from analysis.files import table, text_dump, traces
 from analysis.files.table import TrajectoryTable
@@ -49,9 +49,9 @@ def validate_table(
     theirs = as_trajectory(loaded, problem, dimensionless=dimensionless)
     run_part = common_times.of_recorded(run_frames, theirs.problem)
     resampled = _resampled(path, run_part, theirs.time, incomplete=run_frames.frames < problem.frames + 1)
-    difference = Difference(limits)
-    difference.add(only_where_known(resampled, theirs), only_where_known(theirs, theirs))
-    deviations = difference.deviations()
+    pair = only_where_known(resampled, theirs), only_where_known(theirs, theirs)
+    difference = DifferenceMeter(limits).read(common_times.paired_parts([pair]))
+    deviations = difference.deviations
     coarse = rounding > TOLERANCES["amplitude"]
     deviations = {name: deviations[name] for name in _quantities(loaded, theirs, coarse) if name in deviations}
     exceeded = any_exceeded(deviations, limits)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from small_problems import problem, written_down
 
 from analysis import hermite
-from analysis.compare.common_times import MARGIN, OtherFramesError, at_times, interpolation_error, paired
+from analysis.compare.common_times import MARGIN, OtherFramesError, at_times, interpolation_error, paired, paired_parts
 from analysis.trajectory import joined
 from lammps_inputs import InputError
 from workflow.engines.reference import engine
@@ -159,6 +159,17 @@ def test_cuts_do_not_matter_even_empty_pieces(places, others):
 def test_pairs_end_with_the_shorter_stream(places, others, frames):
     pairs = list(paired(cut(RUN, places), [piece for piece in cut(RUN[:frames], []) if others is not None]))
     assert sum(a.frames for a, _ in pairs) == frames
+
+
+@given(CUTS, CUTS)
+def test_parts_of_pairs_are_those_of_each_run(places, others):
+    other = replace(RUN, velocity=2.0 * RUN.velocity)
+    pairs = list(paired(cut(RUN, places), cut(other, others)))
+    for (part, other_part), (a, b) in zip(paired_parts(pairs), pairs, strict=True):
+        assert (part.before, part.count, part.start) == (other_part.before, other_part.count, other_part.start)
+        np.testing.assert_array_equal(part.frames.velocity, a.velocity)
+        np.testing.assert_array_equal(other_part.frames.velocity, b.velocity)
+        np.testing.assert_array_equal(other_part.around.velocity, 2.0 * part.around.velocity)
 
 
 def test_no_frame_is_lost_when_one_stream_is_empty():

@@ -10,9 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from small_problems import problem, written_down
 
-from analysis.compare.difference import QUANTITIES, Difference, matched
+from analysis.compare.common_times import paired_parts
+from analysis.compare.difference import QUANTITIES, DifferenceMeter, matched
 from analysis.figures.errors import validation_figure
-from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks, sharp
+from analysis.tracking.peaks import THRESHOLD, PeakMeter, Peaks, sharp
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
 
@@ -26,11 +27,9 @@ def run():
 
 
 def compared(own, reference, sizes=None, limits=LIMITS):
-    difference = Difference(limits)
     starts = [0, *np.cumsum(sizes or [own.frames]).tolist()]
-    for start, end in itertools.pairwise(starts):
-        difference.add(own[start:end], reference[start:end])
-    return difference
+    pairs = ((own[start:end], reference[start:end]) for start, end in itertools.pairwise(starts))
+    return DifferenceMeter(limits).read(paired_parts(pairs))
 
 
 def changed(run, frame, chain, bead, **by):
@@ -43,7 +42,7 @@ def changed(run, frame, chain, bead, **by):
 
 
 def test_a_run_does_not_differ_from_itself(run):
-    found = compared(run, run).deviations()
+    found = compared(run, run).deviations
     assert tuple(found) == QUANTITIES
     for name in ("velocity", "displacement", "amplitude", "arrival"):
         assert (found[name].largest, found[name].rms, found[name].first) == (0.0, 0.0, None)
@@ -51,16 +50,23 @@ def test_a_run_does_not_differ_from_itself(run):
 
 def test_what_is_found_does_not_depend_on_where_blocks_begin(run):
     other = engine.run(run.problem, scheme=VERLET, steps_per_frame=2)
-    whole, parts = (compared(other, run, sizes).deviations() for sizes in (None, [1, 64, 236]))
+    whole, parts = (compared(other, run, sizes).deviations for sizes in (None, [1, 64, 236]))
     assert whole == parts
+
+
+def test_beads_that_earlier_parts_have_passed_need_not_be_searched_again(run):
+    other, meter = engine.run(run.problem, scheme=VERLET, steps_per_frame=2), DifferenceMeter(LIMITS)
+    pairs = list(paired_parts((other[start : start + 50], run[start : start + 50]) for start in range(0, 301, 50)))
+    searched = [meter.of_parts(*pair) for pair in pairs]
+    assert meter.result(searched).deviations == meter.read(pairs).deviations
+    again = meter.of_parts(*pairs[-2], searched[:-2])
+    assert len(again.peaks) < len(searched[-2].peaks)
 
 
 @pytest.mark.slow
 @given(st.integers(0, 300), st.integers(1, 2), st.integers(1, 40), st.floats(2e-3, 1e3), st.sampled_from([-1.0, 1.0]))
 def test_one_wrong_number_is_found_where_it_is(run, frame, chain, bead, size, sign):
-    found = compared(changed(run, frame, chain, bead, velocity=sign * size), run, [64, 64, 173]).deviations()[
-        "velocity"
-    ]
+    found = compared(changed(run, frame, chain, bead, velocity=sign * size), run, [64, 64, 173]).deviations["velocity"]
     assert found.largest == pytest.approx(size, rel=1e-12)
     assert found.rms == pytest.approx(size / math.sqrt(301 * 80), rel=1e-9)
     for place in (found.where, found.first):
@@ -69,12 +75,12 @@ def test_one_wrong_number_is_found_where_it_is(run, frame, chain, bead, size, si
 
 def test_the_first_excess_is_the_earliest_not_the_largest(run):
     wrong = changed(changed(run, 200, 2, 9, displacement=1.0), 50, 1, 3, displacement=2e-3)
-    found = compared(wrong, run, [100, 201]).deviations()["displacement"]
+    found = compared(wrong, run, [100, 201]).deviations["displacement"]
     assert (found.where.time, found.first.time) == (pytest.approx(20.0), pytest.approx(5.0))
 
 
 def test_a_number_that_is_none_counts_as_largest_even_if_all_later_ones_are_right(run):
-    found = compared(changed(run, 10, 1, 2, velocity=np.nan), run, [30, 271]).deviations()["velocity"]
+    found = compared(changed(run, 10, 1, 2, velocity=np.nan), run, [30, 271]).deviations["velocity"]
     assert math.isnan(found.largest)
     assert found.where == found.first
     assert found.where.time == pytest.approx(1.0)
@@ -84,7 +90,7 @@ def test_a_number_that_is_none_counts_as_largest_even_if_all_later_ones_are_righ
 @pytest.mark.parametrize("value", [1e200, -np.inf, np.nan])
 def test_a_run_that_blew_up_is_compared_and_drawn_without_complaint(run, value):
     difference = compared(changed(run, 100, 1, 5, velocity=value, displacement=value), run)
-    found = difference.deviations()
+    found = difference.deviations
     assert not found["velocity"].largest <= 1e3
     validation_figure(run.problem, difference.error_map, found, LIMITS, "itself").draw_without_rendering()
 
@@ -92,13 +98,8 @@ def test_a_run_that_blew_up_is_compared_and_drawn_without_complaint(run, value):
 def test_arrival_and_amplitude_are_those_of_the_pulse(run):
     finer = engine.run(run.problem, steps_per_frame=16)
     coarse = engine.run(run.problem, scheme=VERLET, steps_per_frame=2)
-    found = compared(coarse, finer).deviations()
-    peaks = []
-    for trajectory in (coarse, finer):
-        finder = PeakFinder(first_only=True)
-        for block in trajectory.blocks():
-            finder.add(block)
-        peaks.append(finder.result())
+    found = compared(coarse, finer).deviations
+    peaks = [PeakMeter(first_only=True).read(trajectory.blocks()) for trajectory in (coarse, finer)]
     here, there = (peak.where((peak.bead < 22) & (peak.velocity > 0.1)) for peak in peaks)
     assert found["arrival"].largest >= np.max(np.abs(here.time - there.time)) > 1e-3
     assert found["amplitude"].largest >= np.max(np.abs(here.velocity - there.velocity)) > 1e-5
@@ -131,14 +132,14 @@ def test_a_passage_is_sharp_unless_the_bead_flies_freely(overlap, velocity, is_s
 
 def test_where_no_pulse_passes_no_amplitude_and_no_arrival_is_compared():
     still = written_down(problem(beads=5, frames=20), lambda t: (0.0 * t, 0.0 * t))
-    assert not {"amplitude", "arrival"} & set(compared(still, still).deviations())
+    assert not {"amplitude", "arrival"} & set(compared(still, still).deviations)
 
 
 @pytest.mark.parametrize(("kappa", "gap"), [(1.0, 0.909), (0.1, 1.0)])
 def test_arrivals_of_a_good_run_with_gaps_are_right_to_a_fiftieth_of_a_frame(kappa, gap):
     gapped = problem(beads=60, frames=1300, kappa=kappa, gap=gap)
     own, reference = engine.run(gapped, scheme=VERLET, steps_per_frame=10), engine.run(gapped, steps_per_frame=16)
-    assert compared(own, reference).deviations()["arrival"].largest < 2e-3
+    assert compared(own, reference).deviations["arrival"].largest < 2e-3
 
 
 def test_the_map_shows_a_wrong_number_in_its_cell():
@@ -162,5 +163,5 @@ def test_the_figure_is_drawn_of_however_little_and_with_a_tolerance_of_zero(fram
     run = written_down(problem(recorded=recorded), lambda t: (np.sin(t), np.cos(t)))[:frames]
     difference = compared(run, replace(run, velocity=run.velocity + 1e-6 * (tolerance > 0.0)))
     limits = dict.fromkeys(LIMITS, tolerance)
-    figure = validation_figure(run.problem, difference.error_map, difference.deviations(), limits, "itself")
+    figure = validation_figure(run.problem, difference.error_map, difference.deviations, limits, "itself")
     figure.draw_without_rendering()

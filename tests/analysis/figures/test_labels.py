@@ -9,16 +9,18 @@ from stock_lammps import scene
 from synthetic_waves import of_keys
 
 from analysis.compare.difference import Deviation, ErrorMap
+from analysis.figures.drawing import draw
 from analysis.figures.errors import BAD, GOOD, residual_figure, validation_figure
-from analysis.figures.spacetime import BeadHistory, SpaceTime, spacetime_figure
+from analysis.figures.panels import shown_chains, title
+from analysis.figures.spacetime import HistoryMeter, space_time_meter, spacetime_sheet
 from analysis.figures.studies import logarithmic
-from analysis.figures.style import CHAIN_COLOURS, head, new_figure, shown_chains, title
-from analysis.figures.waves import distance_figure, response_figure, shape_figure
+from analysis.figures.style import CHAIN_COLOURS, head, new_figure
+from analysis.figures.waves import distance_sheet, response_sheet, shape_sheet
 from analysis.files.traces import Channel, Traces
 from analysis.gauges.gauge import gauges
 from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.waveforms import Passages
-from analysis.sharing.energies import EnergyShares, Flow
+from analysis.sharing.energies import Flow, ShareMeter
 from analysis.sharing.equipartition import Sharing
 from analysis.tracking.leading_waves import with_speeds
 from analysis.trajectory import Trajectory
@@ -62,7 +64,7 @@ def test_the_energy_figure_has_the_share_centre_and_spread_of_each_chain(problem
     number = np.arange(1.0, CHAINS + 1.0)
     later = np.array([[1.0], [2.0], [3.0]])
     flow = Flow(time, later * number / 100.0, np.zeros(3), later * number, np.full((3, CHAINS), 0.5))
-    share, centre = EnergyMeasurement(problem, flow).draw().axes
+    share, centre = draw(EnergyMeasurement(problem, flow).sheet()).axes
     assert share.get_ylabel() == "share of the energy"
     assert centre.get_ylabel().startswith("centre of the energy (bead)")
     seconds = unit_on(centre.get_xlabel(), problem, "s")
@@ -82,7 +84,7 @@ def test_the_force_figure_has_each_gauge_and_chain_where_it_says(problem):
     nothing = np.zeros(force.shape)
     rest = (*[nothing] * 7, nothing > 0.0, nothing)
     readings = Readings(places, time, np.stack([nothing, force]), nothing, force, *rest)
-    axes = ForceMeasurement(problem, [], readings).draw().axes
+    axes = draw(ForceMeasurement(problem, [], readings).sheet()).axes
     assert [axis.get_title(loc="left") for axis in axes] == ["(a) contact 2", "(b) contact 7", "(c) sensor 5"]
     for gauge, axis in enumerate(axes, 1):
         newtons = unit_on(axis.figure.get_supylabel(), problem, "N")
@@ -96,27 +98,30 @@ def test_the_force_figure_has_each_gauge_and_chain_where_it_says(problem):
 
 def test_the_spectra_figure_has_each_bead_chain_and_drive_where_it_says(problem):
     amplitude = np.add.outer(np.array([0.2, 0.1]), np.add.outer(1e-3 * np.arange(CHAINS), np.array([0.3, 0.6])))
-    spectra = VelocitySpectra((3, 8), 2.0, np.array([0.0, 0.1]), amplitude, np.array([0.07]), np.zeros((1, CHAINS, 2)))
-    axes = SpectrumMeasurement(problem, None, spectra).draw().axes
+    of_drive = np.zeros((1, CHAINS, 2))
+    lines, drive = np.array([0.0, 0.1]), np.array([0.07])
+    spectra = VelocitySpectra((3, 8), 2.0, lines, amplitude, drive, of_drive, 0.0 * amplitude, of_drive)
+    axes = draw(SpectrumMeasurement(problem, None, spectra).sheet()).axes
     hertz = 1.0 / problem.scale.time / unit_on(axes[-1].get_xlabel(), problem, "Hz")
     label = axes[0].figure.get_supylabel()
     velocity = unit_on(label, problem, "m/s")
-    assert label.startswith(r"amplitude of the velocity $\hat v$ (")
+    assert label.startswith(r"velocity amplitude $\hat v$ (")
     for place, axis in enumerate(axes):
         assert axis.get_title(loc="left") == f"({'ab'[place]}) bead {spectra.beads[place]}"
         for chain, line in all_shown(axis, problem):
             expected = amplitude[:, chain - 1, place] * problem.scale.velocity
             assert line.get_ydata() * velocity == pytest.approx(expected)
             assert line.get_xdata() == pytest.approx(spectra.frequency * hertz)
-        (drive,) = (line for line in axis.get_lines() if line.get_label() == "drive")
+        (drive,) = (line for line in axis.get_lines() if line.get_label() == "frequency of the drive")
         assert drive.get_xdata()[0] == pytest.approx(0.07 * hertz)
 
 
 def test_amplitudes_below_the_axis_of_a_spectrum_are_not_drawn_at_its_end(problem):
     amplitude = np.full((3, CHAINS, 1), 0.5)
     amplitude[1:] = 1e-12
-    spectra = VelocitySpectra((3,), 2.0, np.arange(3.0), amplitude, np.empty(0), np.zeros((1, CHAINS, 1)))
-    (axis,) = SpectrumMeasurement(problem, None, spectra).draw().axes
+    no_drive = np.empty(0), np.zeros((1, CHAINS, 1))
+    spectra = VelocitySpectra((3,), 2.0, np.arange(3.0), amplitude, *no_drive, 0.0 * amplitude, no_drive[1])
+    (axis,) = draw(SpectrumMeasurement(problem, None, spectra).sheet()).axes
     for _, line in all_shown(axis, problem):
         assert np.all(line.get_ydata()[1:] < axis.get_ylim()[0])
 
@@ -175,18 +180,17 @@ def test_samples_from_before_the_peak_are_drawn_ahead_of_it():
     """Velocity falls in time, from 0.3 to 0.1 in chain 1 and half of that in chain 2; peaks of 1, at t = 3."""
     what = scene(chains=2, beads=10)
     both = np.array([1, 2])
-    passages = Passages(
-        both, np.array([5, 5]), np.full(2, 3.0), np.ones(2), np.ones(2), np.ones(2, dtype=np.int64), np.zeros(2)
-    )
+    ones = np.ones(2)
+    passages = Passages(both, np.array([5, 5]), 3.0 * ones, ones, ones, np.ones(2, dtype=np.int64), *np.zeros((3, 2)))
     time, velocity = np.tile([2.0, 3.0, 4.0], (2, 1)), np.outer([1.0, 0.5], [0.3, 0.2, 0.1])
     waveforms = SimpleNamespace(passages=passages, time=time, velocity=velocity)
-    above, below = shape_figure(what.problem(), waveforms, [5]).axes
+    above, below = draw(shape_sheet(what.problem(), waveforms, [5])).axes
     assert above.get_title(loc="left") == "bead 5"
     for chain, line in of_chains(above).items():
         ahead, velocity = line.get_data()
         assert np.array(ahead) == pytest.approx(solitary_wave().speed_at(1.0) * np.array([1.0, 0.0, -1.0]))
         assert velocity == pytest.approx(np.array([0.3, 0.2, 0.1]) / chain)
-    assert below.get_lines()[1].get_ydata()[1] == pytest.approx(0.2 - 1.0)
+    assert of_chains(below)[1].get_ydata()[1] == pytest.approx(0.2 - 1.0)
 
 
 # --- places -----------------------------------------------------------------------------------------------------------
@@ -223,9 +227,8 @@ def panel(figure, chain):
 @pytest.mark.parametrize(("chain", "bead", "frame"), [(1, 1, 2), (1, 7, 5), (2, 10, 8), (2, 2, 0)])
 def test_a_bead_that_moves_is_seen_where_and_when_it_does(chain, bead, frame, si):
     what = pair(si)
-    data = SpaceTime(what)
-    data.add(moving(what, chain, bead, frame))
-    figure = spacetime_figure(data)
+    data = space_time_meter(what).read([moving(what, chain, bead, frame)])
+    figure = draw(spacetime_sheet(data))
     axis, image = panel(figure, chain)
     values = np.ma.filled(image.get_array(), 0.0)
     rows, columns = values.shape
@@ -246,9 +249,8 @@ def test_of_a_few_recorded_beads_each_is_seen_at_its_place(bead):
     what = pair(False, beads=50, recorded=(1, 5, 50))
     v = np.zeros((what.frames + 1, 2, 3))
     v[3, 0, (1, 5, 50).index(bead)] = 0.5
-    data = SpaceTime(what)
-    data.add(Trajectory(what, np.arange(what.frames + 1) * what.every, np.zeros_like(v), v))
-    axis, image = panel(spacetime_figure(data), 1)
+    data = space_time_meter(what).read([Trajectory(what, np.arange(what.frames + 1) * what.every, np.zeros_like(v), v)])
+    axis, image = panel(draw(spacetime_sheet(data)), 1)
     values = np.ma.filled(image.get_array(), 0.0)
     left, right, *_ = image.get_extent()
     (column,) = np.nonzero(values[3])[0]
@@ -262,11 +264,10 @@ def test_of_a_few_recorded_beads_each_is_seen_at_its_place(bead):
 @pytest.mark.parametrize(("chain", "bead", "frame"), [(1, 3, 2), (2, 8, 5)])
 def test_the_response_is_that_of_the_bead_and_chain_it_names(chain, bead, frame, si):
     what = pair(si)
-    data = BeadHistory(what, (3, 8))
-    data.add(moving(what, chain, bead, frame))
+    data = HistoryMeter(what, np.array([3, 8])).read([moving(what, chain, bead, frame)])
     arrival = np.array([frame * what.every])
     waves = with_speeds(np.array([1]), np.array([bead]), arrival, np.array([0.5]))
-    whole, near = response_figure(data, waves).axes  # of the other bead, which has not moved, there is none
+    whole, near = draw(response_sheet(data, waves)).axes  # of the other bead, which has not moved, there is none
     assert whole.get_title(loc="left") == f"(a) bead {bead}"
     velocities = unit_on(whole.get_ylabel(), what, "m/s")
     for axis, when in ((whole, frame * what.every * what.scale.time), (near, 0.0)):
@@ -282,10 +283,11 @@ def test_the_response_is_that_of_the_bead_and_chain_it_names(chain, bead, frame,
 
 def test_the_response_is_that_of_the_bead_it_names_also_where_a_window_has_moved_on():
     what = pair(False, beads=100, window=64)
-    data = BeadHistory(what, (20, 40, 95))
+    blocks = []
     for first, frame in ((1, 0), (30, 1)):
         v = np.tile(np.arange(first, first + 64) / 100.0, (1, 2, 1))
-        data.add(Trajectory(what, np.array([frame * what.every]), np.zeros_like(v), v, first=first))
+        blocks.append(Trajectory(what, np.array([frame * what.every]), np.zeros_like(v), v, first=first))
+    data = HistoryMeter(what, np.array([20, 40, 95])).read(blocks)
     np.testing.assert_array_equal(data.velocity, np.tile([[[0.2, 0.4, 0.0]], [[np.nan, 0.4, 0.0]]], (1, 2, 1)))
 
 
@@ -299,7 +301,7 @@ def shared(what):
 @pytest.mark.parametrize("si", [False, True])
 def test_the_distance_figure_has_each_chain_at_its_beads_in_its_units(si):
     what = pair(si)
-    amplitude, _, lag = distance_figure(what, shared(what), EnergyShares(what, shared(what))).axes
+    amplitude, _, lag = draw(distance_sheet(what, shared(what), ShareMeter(what, shared(what)).result([]))).axes
     assert amplitude.get_ylabel() == r"peak velocity $v_\mathrm{max} / V$"
     for chain in (1, 2):
         (line,) = (line for line in amplitude.get_lines() if line.get_label() == f"chain {chain}")
@@ -316,7 +318,7 @@ def test_lines_are_interrupted_at_recorded_beads_where_no_pulse_leads():
     bead = np.array([*range(2, 20), *range(25, 28), 30, *range(33, 36)])
     one = np.ones((len(bead), 1))
     sharing = Sharing(0, bead, bead[:, np.newaxis] * one, 0.4 * one, physics.energy(what.system))
-    amplitude = distance_figure(what, sharing, EnergyShares(what, sharing)).axes[0]
+    amplitude = draw(distance_sheet(what, sharing, ShareMeter(what, sharing).result([]))).axes[0]
     line, dots = amplitude.get_lines()
     x, y = line.get_data()
     assert np.flatnonzero(np.isnan(y)).tolist() == [18, 22, 24]
@@ -329,7 +331,7 @@ def test_a_line_marks_the_bead_from_which_on_the_chains_agree():
     amplitude[:60, 0] *= 1.0 + 0.05 * np.cos(np.arange(60))
     what = pair(False, beads=100)
     agreeing = Sharing(0, np.arange(2, 82), np.zeros((80, 2)), amplitude, physics.energy(what.system))
-    axis = distance_figure(what, agreeing, EnergyShares(what, agreeing)).axes[0]
+    axis = draw(distance_sheet(what, agreeing, ShareMeter(what, agreeing).result([]))).axes[0]
     (mark,) = (line for line in axis.get_lines() if not line.get_label().startswith("chain"))
     assert set(mark.get_xdata()) == {agreeing.agrees_from(0.01)}
     assert axis.get_title(loc="right") == f"within 1 % from bead {agreeing.agrees_from(0.01)} on"
@@ -338,18 +340,17 @@ def test_a_line_marks_the_bead_from_which_on_the_chains_agree():
 @pytest.mark.parametrize(("direction", "label"), [(1, "bead"), (-1, "bead, counted from bead 10")])
 def test_beads_are_counted_from_the_end_that_was_hit(direction, label):
     what = pair(False)
-    figure = distance_figure(what, shared(what), EnergyShares(what, shared(what)), direction)
+    figure = draw(distance_sheet(what, shared(what), ShareMeter(what, shared(what)).result([]), direction))
     assert figure.axes[2].get_xlabel() == label
 
 
 def test_the_title_tells_name_chains_coupling_gap_and_v():
     what = pair(False, kappa=0.25 * SPEED**0.4, gap=0.5 * SPEED**0.8)
-    data = SpaceTime(what)
-    data.add(moving(what, 1, 1, 0))
+    data = space_time_meter(what).read([moving(what, 1, 1, 0)])
     # kappa at V = 1, the gap as in the scene
     gap = f"{0.5 * SPEED**0.8:.4g}"
     written = f"test: 2 chains of 10 beads, $\\kappa = k T^2 / m$ = 0.25, gap {gap}, $V$ = {SPEED:g}"
-    assert " ".join(spacetime_figure(data).get_suptitle().split()) == written
+    assert " ".join(draw(spacetime_sheet(data)).get_suptitle().split()) == written
 
 
 @pytest.mark.parametrize(
@@ -410,9 +411,8 @@ def test_lattices_have_a_panel_for_each_chain_and_lines_for_those_far_from_each_
 
 def test_where_few_beads_move_the_picture_shows_those():
     what = pair(False, beads=40)
-    data = SpaceTime(what)
-    data.add(moving(what, 1, 6, 2))
-    assert spacetime_figure(data).axes[0].get_xlim() == (5.5, 6.5)
+    data = space_time_meter(what).read([moving(what, 1, 6, 2)])
+    assert draw(spacetime_sheet(data)).axes[0].get_xlim() == (5.5, 6.5)
 
 
 @pytest.mark.parametrize(

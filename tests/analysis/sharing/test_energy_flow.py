@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from small_problems import problem
 
-from analysis.sharing.energies import EnergyFlow, Flow
+from analysis.sharing.energies import Flow, FlowMeter
+from analysis.sharing.run_error import UNMEASURED, MeasuredError, flow_with_error
 from analysis.trajectory import Trajectory
 
 
 def flow_of(what, displacement, velocity):
     """Of one frame, [chain, bead]."""
-    flow = EnergyFlow(what)
-    flow.add(Trajectory(what, np.zeros(1), np.asarray(displacement)[np.newaxis], np.asarray(velocity)[np.newaxis]))
-    return flow.result()
+    frame = Trajectory(what, np.zeros(1), np.asarray(displacement)[np.newaxis], np.asarray(velocity)[np.newaxis])
+    return FlowMeter(what).read([frame])
 
 
 def test_each_chain_has_its_share_around_its_beads():
@@ -45,13 +45,12 @@ def test_shares_are_undefined_where_no_chain_has_energy():
 @pytest.mark.parametrize("frames", [1201, 1200, 1199])
 def test_of_a_long_run_every_so_manieth_frame_counts_and_the_last_wherever_blocks_end(frames):
     long = problem(frames=1200)
-    flow = EnergyFlow(long)
     time = np.arange(1201) * long.every
     state = np.ones((1201, 2, 8))
     whole = Trajectory(long, time, 0.0 * state, state)
-    for start, end in ((0, 100), (100, 101), (101, 700), (700, frames)):
-        flow.add(whole[start:end])
-    assert flow.result().time.tolist() == sorted({*time[:frames:3].tolist(), time[frames - 1]})
+    cuts = ((0, 100), (100, 101), (101, 700), (700, frames))
+    flow = FlowMeter(long).read(whole[start:end] for start, end in cuts)
+    assert flow.time.tolist() == sorted({*time[:frames:3].tolist(), time[frames - 1]})
 
 
 def test_the_least_and_most_that_a_chain_has_are_told_with_their_times():
@@ -59,3 +58,18 @@ def test_the_least_and_most_that_a_chain_has_are_told_with_their_times():
     flow = Flow(time, np.stack([share, 1.0 - share], axis=1), *(np.zeros(4),) * 3)
     assert flow.extremes(0) == ((0.2, 2.0), (0.7, 1.0))
     assert flow.extremes(1) == ((pytest.approx(0.3), 1.0), (0.8, 2.0))
+
+
+def test_shares_and_centres_are_off_by_no_more_than_errors_of_velocities_make_them():
+    """Velocities of 200 states, each off by the largest error either way."""
+    chance, error, what = np.random.default_rng(1), 1e-3, problem()
+    for _ in range(200):
+        velocity = chance.normal(size=(2, 8))
+        exact, moved = (
+            flow_of(what, np.zeros((2, 8)), velocity + off)
+            for off in (0.0, error * chance.choice([-1.0, 1.0], size=(2, 8)))
+        )
+        stated = flow_with_error(exact, MeasuredError(error, measured=True), what)
+        assert np.all(np.abs(moved.share - exact.share) <= stated.share_error[:, np.newaxis])
+        assert np.all(np.abs(moved.centre - exact.centre) <= stated.centre_error)
+    assert flow_with_error(exact, UNMEASURED, what).share_error is None

@@ -7,7 +7,7 @@ import pytest
 from small_problems import problem
 
 from analysis.sharing.impulses import ImpulseMeter, measure, relative_difference
-from analysis.trajectory import joined, watch
+from analysis.trajectory import joined
 from workflow.engines.reference import engine
 
 EVERY = 0.1
@@ -90,7 +90,7 @@ def test_impulses_on_beads_from_ahead_are_those_of_the_mirrored_run():
     forwards = make_problem(chains=2, beads=8, kappa=0.3, gap=0.4, duration=20.0)
     backwards = make_problem(chains=2, beads=8, kicks=((1, 8, -1.0),), kappa=0.3, gap=0.4, duration=20.0)
     expected = measure(forwards, blocks(forwards))
-    found = watch(ImpulseMeter(backwards, -1), blocks(backwards)).result()
+    found = ImpulseMeter(backwards, -1).read(blocks(backwards))
     np.testing.assert_array_equal(found.bead, expected.bead)
     np.testing.assert_allclose(found.first, expected.first, rtol=0, atol=ERROR)
 

@@ -8,7 +8,6 @@ from synthetic_waves import of_keys, surveyed
 
 from analysis.gauges.gauge import gauges
 from analysis.sharing.run_error import UNMEASURED, MeasuredError, with_run_error
-from analysis.trajectory import watch
 from workflow.engines.reference import engine
 from workflow.measures.forces.force_meter import ForceMeter
 from workflow.verdicts.analysis_report import EnergyShare, train
@@ -72,7 +71,7 @@ def test_pulses_that_do_not_lead_have_the_error_of_all_velocities(of_frames):
 
 def test_forces_impulses_and_dwells_cover_the_error_of_the_run(run):
     meter = ForceMeter(run.problem, gauges(run.problem.system, contacts=(10,)))
-    of_frames = watch(meter, (run,)).result()
+    of_frames = meter.read((run,))
     total = of_frames.with_error(ERROR, run.problem)
     for name in ("largest", "at", "impulse", "dwell"):
         np.testing.assert_array_equal(getattr(total, name), getattr(of_frames, name))
@@ -89,3 +88,21 @@ def test_the_decay_of_a_pulse_has_the_error_of_the_run_in_its_uncertainty():
     # far ahead of the fitted beads, n* moves by at least what a common error of all amplitudes makes of it
     moved = 0.4 * ERROR.amplitude / of_frames.decay.v0 * of_frames.decay.n_star
     assert total.decay.n_star_error - of_frames.decay.n_star_error > moved
+
+
+def test_numbers_that_follow_from_passages_have_the_error_of_the_run(of_frames):
+    total = with_run_error(of_frames, ERROR)
+    for name, part in (("speed", "waves"), ("width", "shape"), ("residual", "shape")):
+        before, after = (getattr(getattr(results, part), f"{name}_error") for results in (of_frames, total))
+        known = np.isfinite(before)
+        assert np.sum(known) > 80
+        assert np.all(after[known] > before[known])
+        np.testing.assert_array_equal(np.isfinite(after), known)
+    behind = of_frames.waves.chain != of_frames.shared.kicked + 1
+    added = total.lags.error - of_frames.lags.error
+    known = np.isfinite(added) & (of_frames.waves.time > 0.0)
+    assert np.all(added[known & ~behind] == 0.0)
+    assert np.all((added[known & behind] > 0.0) & (added[known & behind] <= 2.0 * ERROR.arrival * (1.0 + 1e-9)))
+    for before, after in zip(of_frames.characters, total.characters, strict=True):
+        for name in ("speed_error", "width_error", "residual_error", "speed_excess_error", "variation_error"):
+            assert getattr(after, name) > getattr(before, name) or np.isnan(getattr(before, name))

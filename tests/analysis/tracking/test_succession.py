@@ -7,15 +7,15 @@ import pytest
 from small_problems import problem
 from synthetic_waves import exact_waves, of_keys, surveyed
 
-from analysis.figures.waves import distance_figure
+from analysis.figures.drawing import draw
+from analysis.figures.waves import distance_sheet
 from analysis.shape.exact_wave import solitary_wave
-from analysis.shape.waveforms import Passages, Waveforms
+from analysis.shape.waveforms import Passages, WaveformMeter
 from analysis.sharing.equipartition import Sharing
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import Peaks, find_peaks, in_mirror
 from analysis.tracking.succession import Change, changes, numbers
-from analysis.trajectory import watch
 from lammps_inputs import find
 from workflow.engines.reference import engine
 
@@ -123,7 +123,7 @@ def test_amplitudes_and_verdicts_are_those_of_the_last_pulse(beside_brass):
 
 
 def test_no_line_of_a_figure_joins_two_pulses(beside_brass):
-    figure = distance_figure(beside_brass.problem, beside_brass.shared, beside_brass.energies)
+    figure = draw(distance_sheet(beside_brass.problem, beside_brass.shared, beside_brass.energies))
     steel, brass = (line.get_xydata() for line in figure.axes[0].lines[:2])
     assert steel[np.isnan(steel[:, 1]), 0].tolist() == [23.5, 38.5]
     assert np.all(np.isfinite(brass))
@@ -154,6 +154,6 @@ def test_a_wave_that_a_larger_one_overlaps_has_no_difference_from_the_exact_wave
     bead, speeds = 20, [float(EXACT.speed_at(peak)) for peak in (0.3, 0.5)]
     arrival = 8.0 + (bead - 1) / speeds[0]
     run = exact_waves([(0.3, 8.0), (0.5, arrival + apart - (bead - 1) / speeds[1])])
-    passage = Passages(*(np.array([number]) for number in (1, bead, arrival, 0.3, speeds[0], 1, 0.0)))
-    residual = watch(Waveforms(run.problem, passage), run.blocks()).shape().residual[0]
+    passage = Passages(*(np.array([number]) for number in (1, bead, arrival, 0.3, speeds[0], 1, 0.0, 0.0, 0.0)))
+    residual = WaveformMeter(run.problem, passage).read(run.blocks()).shape().residual[0]
     assert np.isfinite(residual) == defined

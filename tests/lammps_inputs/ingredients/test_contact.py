@@ -17,7 +17,7 @@ from workflow.cli import main
 from workflow.runs.contacts import at_most
 from workflow.runs.run import run
 from workflow.sweep.fields import all_fields
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from ingredient_scenes import VANISHING
 from plain_scene import scene
 
-from analysis.conservation import Conservation
+from analysis.conservation import ConservationMeter
 from analysis.shape.unit_cell import NoDispersionError, cell_of
-from analysis.sharing.energies import EnergyFlow
+from analysis.sharing.energies import FlowMeter
 from analysis.trajectory import Trajectory
 from lammps_inputs import find, physics
 from lammps_inputs.decks import deck
@@ -22,7 +22,7 @@ from workflow.engines.reference import engine
 from workflow.errors import RunError
 from workflow.quantities.evaluate import of_scene
 from workflow.runs.run import run
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -31,10 +31,7 @@ pytestmark = pytest.mark.usefixtures("lammps_here")
 def test_the_energy_beats_between_two_chains_as_published_numbers_say():
     """k_f = 1, kappa = 0.1, V = 0.1: chain 2 has 0.995 of the energy at t = 34.5, and 0.013 at t = 69."""
     problem = find("beats-on-a-foundation").problem()
-    flow = EnergyFlow(problem)
-    for block in engine.blocks(problem):
-        flow.add(block)
-    found = flow.result()
+    found = FlowMeter(problem).read(engine.blocks(problem))
     time = found.time * problem.scale.time
     assert np.interp([34.5, 69.0], time, found.share[:, 1]) == pytest.approx([0.995, 0.013], abs=5e-4)
     assert np.sum(found.share, axis=1) == pytest.approx(1.0, abs=1e-14)
@@ -123,9 +120,8 @@ def test_ramps_that_stay_above_0_count_from_their_start_in_lammps():
 
 @pytest.mark.slow
 def test_the_budget_of_the_reference_closes_with_the_work_of_the_ground():
-    seen, problem = Conservation(), scene(foundation={"stiffness": CROSSING}).problem()
-    for block in engine.blocks(problem, steps_per_frame=40):
-        seen.add(block)
+    problem = scene(foundation={"stiffness": CROSSING}).problem()
+    seen = ConservationMeter(problem).read(engine.blocks(problem, steps_per_frame=40))
     assert physics.exchanges(problem.system)
     assert seen.energy_drift < 1e-7
 
@@ -135,15 +131,13 @@ def test_modes_have_shares_of_the_action_where_no_contact_is_loaded():
     problem = scene(foundation={"stiffness": CROSSING}).problem()
     shape = (1, problem.chains, problem.beads)
     displacement = np.broadcast_to([[[0.3], [0.1]]], shape).copy()
-    flow = EnergyFlow(problem)
-    flow.add(Trajectory(problem, np.array([4.5]), displacement, np.zeros(shape)))
+    flow = FlowMeter(problem).read([Trajectory(problem, np.array([4.5]), displacement, np.zeros(shape))])
     slow, fast = 0.08 * 1.0, 0.02 * np.sqrt(1.0 + 2.0 * physics.kappa(problem.system))
-    assert flow.result().action == pytest.approx(np.array([[slow, fast]]) / (slow + fast))
-    assert flow.result().fastest_mode_action == pytest.approx(fast / (slow + fast))
+    assert flow.action == pytest.approx(np.array([[slow, fast]]) / (slow + fast))
+    assert flow.fastest_mode_action == pytest.approx(fast / (slow + fast))
     displacement[0, 0, 3] += 0.01
-    loaded = EnergyFlow(problem)
-    loaded.add(Trajectory(problem, np.array([4.5]), displacement, np.zeros(shape)))
-    assert np.isnan(loaded.result().fastest_mode_action)
+    loaded = FlowMeter(problem).read([Trajectory(problem, np.array([4.5]), displacement, np.zeros(shape))])
+    assert np.isnan(loaded.fastest_mode_action)
 
 
 def test_sound_on_springs_that_vary_has_no_dispersion():

@@ -18,7 +18,7 @@ from lammps_inputs.ingredients.on_bead import MOST_POINTS
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.engines.reference import engine
 from workflow.runs.run import run
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 

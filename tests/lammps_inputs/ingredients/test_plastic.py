@@ -15,7 +15,7 @@ from stock_lammps import scene
 from wrong_runs import deck_run, substituted
 
 from analysis import motion
-from analysis.conservation import Conservation
+from analysis.conservation import ConservationMeter
 from analysis.gauges.gauge import at_frames, gauges
 from analysis.tracking.peaks import find_peaks
 from lammps_inputs import laws, library, materials, physics, references
@@ -25,7 +25,7 @@ from lammps_inputs.library import render_scene
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
 from workflow.runs.run import run
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -75,12 +75,12 @@ def test_walton_and_braun_s_restitution_is_the_same_at_every_velocity():
 
 def test_forces_and_loss_along_a_chain_are_those_of_an_independent_program():
     problem = plastic(beads=80, duration=140.0).problem()
-    trajectory, seen = engine.run(problem), Conservation()
+    trajectory = engine.run(problem)
     law = laws.at_state(problem.system.along[0].law, 0.0)
     largest = laws.force(law, trajectory.contact_state[-1, 0])
     assert largest[[1, 10, 50]] == pytest.approx([0.492414, 0.140577, 0.054380], abs=6e-7)
     assert physics.dissipated_by_contacts(trajectory.system)[-1] == pytest.approx(0.475548, abs=6e-7)
-    seen.add(trajectory)
+    seen = ConservationMeter(problem).read([trajectory])
     assert seen.energy_drift < 3e-8
     assert seen.momentum_drift < 1e-13
 
@@ -254,10 +254,9 @@ LINEAR = {"contact": WALTON, "walls": {"left": "bead", "right": {"stiffness": 2.
     ("name", "changes"), [*((name, {}) for name in IN_LAMMPS | LOADED), ("walls", LINEAR)], ids=str
 )
 def test_the_budget_closes_beside_other_ingredients(name, changes):
-    seen = Conservation()
+    problem = in_lammps(name, **changes).problem()
     # forces of linear contacts jump in slope where they turn, which leaves an error of second order
-    for block in engine.blocks(in_lammps(name, **changes).problem(), steps_per_frame=16):
-        seen.add(block)
+    seen = ConservationMeter(problem).read(engine.blocks(problem, steps_per_frame=16))
     assert seen.energy_drift < (1e-4 if changes else 1e-7)
 
 
@@ -268,7 +267,7 @@ def test_lammps_finds_the_forces_along_a_chain(tmp_path):
     assert done.check.velocity < 2.5e-5
     found = analyse(done.directory, figures=False)
     assert found.conservation.energy_drift < 1e-4
-    assert found.conservation.budget.result().dissipated["plastic contacts"][-1] == pytest.approx(lost, abs=1e-5)
+    assert found.conservation.budget.dissipated["plastic contacts"][-1] == pytest.approx(lost, abs=1e-5)
 
 
 @pytest.mark.slow

@@ -18,7 +18,7 @@ from workflow.measures.forces.force_meter import ForceMeter
 from workflow.prepare import pilot
 from workflow.prepare.settings import settle
 from workflow.runs.run import run
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -120,9 +120,8 @@ def test_the_impulse_of_a_gauge_is_that_above_rest():
     problem = loaded(**FREE, beads=20, duration=8.0).problem()
     meter = ForceMeter(problem, gauges(problem.system, contacts=(15,)))
     trajectory = engine.run(problem)
-    meter.add(trajectory)
     ahead = trajectory.velocity[-1, 0, 15:].sum()
-    assert meter.result().impulse[0, 0] == pytest.approx(ahead, abs=1e-6)
+    assert meter.read([trajectory]).impulse[0, 0] == pytest.approx(ahead, abs=1e-6)
     assert measure(problem, [trajectory]).imbalance < 1e-6
 
 

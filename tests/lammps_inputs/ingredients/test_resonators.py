@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.conservation import Conservation
+from analysis.conservation import ConservationMeter
 from analysis.files import recording
 from analysis.mda.universe import universe
 from analysis.shape.unit_cell import NoDispersionError, cell_of
@@ -16,7 +16,7 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
 from workflow.runs.run import run
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 
 LIGHT, HEAVY = {"mass": 0.1, "stiffness": 1.0}, {"mass": 0.5, "stiffness": 0.1}
 
@@ -101,7 +101,7 @@ def test_frames_hold_the_resonators_and_tables_of_beads_do_not(tmp_path, lammps_
     velocity = seen.trajectory[-1].data["velocity"]
     np.testing.assert_array_equal(velocity[12:], found.further_lines[-1, 1].ravel()[[2, 3, 15, 16]])
     assert recording.all_ids(case.problem()).tolist() == [*range(1, 13), 15, 16, 28, 29]
-    shares = analyse(done.directory, figures=False).conservation.budget.result()
+    shares = analyse(done.directory, figures=False).conservation.budget
     assert shares.in_resonators == pytest.approx(shares.resonators[-1] / 0.5)
     assert shares.in_resonators > 0.1
     assert np.max(np.abs(shares.missing)) < 1e-4
@@ -122,9 +122,7 @@ def test_resonators_do_not_touch_where_the_contacts_are_a_formula_of_the_distanc
 def test_beads_alone_do_not_give_the_energy():
     trajectory = engine.run(small(output={"every": 0.1, "beads": [2, 3]}).problem())
     assert trajectory.further_lines is None
-    seen = Conservation()
-    seen.add(trajectory)
-    assert math.isnan(seen.energy_drift)
+    assert math.isnan(ConservationMeter(trajectory.problem).read([trajectory]).energy_drift)
 
 
 @pytest.mark.parametrize(("resonators", "leads"), [(LIGHT, True), (HEAVY, False), ({**HEAVY, "rows": [5, 6]}, True)])

@@ -30,7 +30,7 @@ from workflow.measures.cells import CellMeter, left
 from workflow.measures.forces.force_meter import ForceMeter
 from workflow.runs.contacts import measure
 from workflow.runs.run import run
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -69,8 +69,8 @@ def test_momentum_is_what_the_push_gave_and_the_walls_took():
     problem = replace(case.problem(), steps_per_frame=1, frames=3000, timestep=0.005)
     found = engine.run(problem, steps_per_frame=2)
     meter = ForceMeter(problem, gauges(problem.system, wall=True))
-    meter.add(found)
-    left, right = (meter.result().impulse[:, side].sum() for side in (0, 1))
+    readings = meter.read([found])
+    left, right = (readings.impulse[:, side].sum() for side in (0, 1))
     momentum = motion.momentum(problem.system, found.velocity)[-1]
     assert min(left, right) > 0.1
     assert momentum == pytest.approx(problem.system.loads[0].law.total + left - right, abs=1e-10)
@@ -177,9 +177,8 @@ def test_a_taper_hands_on_less_of_the_energy(taper, share):
     trajectory = engine.run(problem)
     last = trajectory.velocity[:, 0, -1].max()
     assert 0.5 * problem.system.mass[0, -1] * last**2 / physics.energy(problem.system) == pytest.approx(share, abs=5e-5)
-    found, final = survey(trajectory.blocks, problem), CellMeter(problem)
-    final.add(trajectory)
-    assert final.end(found, 1) == pytest.approx(share, abs=5e-5)
+    found, final = survey(trajectory.blocks, problem), CellMeter().read([trajectory])
+    assert final.at_end(found, 1) == pytest.approx(share, abs=5e-5)
 
 
 @pytest.mark.slow
@@ -260,8 +259,7 @@ def test_with_two_pulses_on_the_way_none_is_said_to_be_reflected():
     kicks = [{"bead": bead, "velocity": 1.0} for bead in (1, 2)]
     problem = library.from_plain({"name": "a", "beads": 40, "kick": kicks, "duration": 45.0, **beads}, "").problem()
     trajectory = engine.run(problem)
-    found, final = survey(trajectory.blocks, problem), CellMeter(problem)
-    final.add(trajectory)
+    found, final = survey(trajectory.blocks, problem), CellMeter().read([trajectory])
     split = final.split(found, 1, 20)
     assert split.before + split.at + split.beyond == pytest.approx(1.0, abs=1e-6)
     assert np.isnan(split.reflected)

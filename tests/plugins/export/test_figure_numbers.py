@@ -1,49 +1,48 @@
-"""The numbers behind a figure are those that were drawn, under the labels of its axes."""
+"""The numbers behind a figure are those of its panels, under the labels of their axes."""
+
+from dataclasses import replace
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from workflow.plugins.export.figure_numbers import panels
+from analysis.figures.panels import BEAD, Axis, Curve, Image, Marks, Panel
+from lammps_inputs.units import Label
+from workflow.plugins.export.figure_numbers import BAND, caption, columns_of
 
 TIME, SPEED = np.array([0.0, 1.0, 2.0]), np.array([3.0, np.nan, 5.0])
+TIMES, RATIO = Axis(Label("time", "t", "ms")), Axis(Label("ratio", "c\\,(t_\\mathrm{peak})"))
 
 
-def test_curves_points_and_bars_have_the_names_of_the_legend_and_labels_without_tex():
-    figure = Figure()
-    axis = figure.subplots()
-    axis.plot(TIME, SPEED, label="chain 1")
-    axis.scatter([0.5], [0.25], label="measured")
-    axis.bar([1.0], [4.0], label="modes")
-    axis.axhline(1.0)  # a mark, no number
-    axis.set_xlabel(r"time $t$ (ms)")
-    axis.set_ylabel(r"$c\,(t_\mathrm{peak})$")
-    [table] = panels(figure)
-    assert list(table) == ["series", "time t (ms)", "c (t_peak)"]
-    assert table["series"] == ["chain 1"] * 3 + ["modes", "measured"]
-    np.testing.assert_array_equal(table["time t (ms)"], [*TIME, 1.0, 0.5])
-    np.testing.assert_array_equal(table["c (t_peak)"], [*SPEED, 4.0, 0.25])
+def test_curves_and_layers_have_the_names_of_the_legend_and_labels_without_tex():
+    layers = (Curve("kinetic", TIME[:1], np.array([4.0])), Curve("contacts", TIME[:1], np.array([0.5])))
+    panel = Panel(
+        TIMES, RATIO, (Curve("$\\propto n^{2}$", TIME, SPEED),), marks=(Marks([1.0], "no number"),), layers=layers
+    )
+    table = columns_of(panel)
+    assert list(table) == ["series", "time t (ms)", "ratio c (t_peak)"]
+    assert table["series"] == ["propto n^2"] * 3 + ["kinetic", "contacts"]
+    np.testing.assert_array_equal(table["time t (ms)"], [*TIME, 0.0, 0.0])
+    np.testing.assert_array_equal(table["ratio c (t_peak)"], [*SPEED, 4.0, 0.5])  # each has its own, not their sum
 
 
-def test_an_image_and_a_mesh_have_the_centres_of_their_cells_and_the_label_of_the_colours():
+def test_an_image_has_the_middles_of_its_pixels_and_the_label_of_the_colours():
     values = np.arange(6.0).reshape(2, 3)
-    figure = Figure()
-    image, mesh = figure.subplots(1, 2)
-    bar = figure.colorbar(image.imshow(values, origin="lower", extent=(0.5, 3.5, 0.0, 4.0)), ax=image)
-    bar.set_label("velocity $v$")
-    mesh.pcolormesh([0.5, 1.5, 2.5, 3.5], [0.0, 2.0, 4.0], values)
-    for table, heading in zip(panels(figure), ("velocity v", "velocity v"), strict=True):
-        np.testing.assert_array_equal(table["x"], [1.0, 2.0, 3.0] * 2)
-        np.testing.assert_array_equal(table["y"], [1.0] * 3 + [3.0] * 3)
-        np.testing.assert_array_equal(table[heading], values.ravel())
+    image = Image(values, (0.5, 3.5), (0.0, 4.0), Label("velocity", "v"), (0.0, 5.0), signed=True)
+    panel = Panel(BEAD, TIMES, image=image)
+    heading = "velocity v; colour: signed square root"
+    table = columns_of(panel)
+    np.testing.assert_array_equal(table["bead"], [1.0, 2.0, 3.0] * 2)
+    np.testing.assert_array_equal(table["time t (ms)"], [1.0] * 3 + [3.0] * 3)
+    np.testing.assert_array_equal(table[heading], values.ravel())
+    assert (
+        caption(panel, "(a) chain 1", "two\nchains") == f"{heading} over bead and time t (ms); (a) chain 1; two chains"
+    )
 
 
-def test_a_label_that_panels_share_heads_the_numbers_of_each_and_an_empty_panel_has_none():
-    figure = Figure()
-    upper, lower, _ = figure.subplots(3, 1, sharex=True)
-    upper.plot(TIME, SPEED)
-    lower.fill_between(TIME, 0.0, TIME, label="range")
-    lower.set_xlabel("bead")
-    first, second = panels(figure)
-    assert list(first) == list(second) == ["series", "bead", "y"]
-    assert set(second["series"]) == {"range"}
-    assert max(second["y"]) == 2.0
+def test_a_panel_without_a_number_has_no_table():
+    assert columns_of(Panel(TIMES, RATIO, (Curve("chain 1", TIME[:0], SPEED[:0]),))) == {}
+
+
+def test_a_band_has_half_of_its_height_where_there_is_one():
+    curve = Curve("chain 1", TIME, SPEED)
+    table = columns_of(Panel(TIMES, RATIO, (replace(curve, spread=0.5 * TIME), curve)))
+    np.testing.assert_array_equal(table[BAND], [0.0, 0.5, 1.0, np.nan, np.nan, np.nan])

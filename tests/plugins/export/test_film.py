@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import granchain
-from analysis.figures.spacetime import SpaceTime
-from analysis.trajectory import watch
+from analysis.figures.spacetime import space_time_meter
 from workflow.plugins.export import film
 from workflow.plugins.export.request import ExportRequest, Options
 
@@ -51,7 +50,7 @@ def test_the_beads_in_sight_begin_at_the_kicked_end_and_follow_the_pulse_away_fr
     scene = {"name": "long", "beads": 60, "kick": {"bead": bead, "velocity": velocity}, "duration": 75.0}
     run = granchain.run(scene | {"output": {"every": 1.5}}, tmp_path / "run", engine="reference")
     trajectory, problem = run.trajectory, run.directory.problem
-    stage = film._Stage(problem, watch(SpaceTime(problem), [trajectory]), np.ones((1, 60)), 480)
+    stage = film._Stage(problem, space_time_meter(problem).read([trajectory]), np.ones((1, 60)), 480)
     sights = [stage._in_sight(trajectory[frame : frame + 1]) for frame in range(trajectory.frames)]
     assert sights[0] == ends
     assert sights[-1] == ((20, 60) if velocity > 0.0 else (0, 40))

@@ -8,7 +8,7 @@ import pytest
 from refusals import refusal
 
 import granchain
-from analysis.figures.style import shown_chains
+from analysis.figures.panels import shown_chains
 from workflow.cli import main
 from workflow.plugins.pages import compare_page
 from workflow.plugins.pages.compared import compared_lines, quantity_table, setting_table, written

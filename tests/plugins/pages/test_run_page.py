@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from axis_units import unit_on
 from bokeh.models import ColorBar, Div, GridPlot, HoverTool, LinearColorMapper, Range1d, Span
 from bokeh.plotting import figure
 from stock_lammps import scene
@@ -17,6 +18,8 @@ from lammps_inputs.ingredients.foundation import Foundation
 from lammps_inputs.ingredients.unequal import BeadKind, radii
 from lammps_inputs.laws.in_time import HalfSine
 from lammps_inputs.loads import Load
+from workflow.measures.forces.measurement import ForceMeasurement
+from workflow.measures.forces.readings import Readings
 from workflow.plugins.pages import moving, plots, run_page
 from workflow.plugins.pages.downsample import thinned, units_of
 from workflow.plugins.pages.write import _left_out
@@ -55,7 +58,7 @@ def test_every_number_is_the_runs_in_the_units_of_its_figures(held):
         assert units["time"].symbol == "\N{MICRO SIGN}s"
         assert scale.time == pytest.approx(1e6 * problem.scale.time)
     else:
-        assert {unit.symbol for unit in units.values()} == {""}
+        assert {unit.symbol for unit in units.values()} == {"reduced"}
     assert part.chains == [1, 3]
     np.testing.assert_allclose(part.time, run.time * scale.time)
     for place, chain in enumerate((0, 2)):
@@ -81,12 +84,12 @@ def test_lines_over_beads_break_at_recorded_beads_without_a_wave_and_show_those_
     waves = with_speeds(np.ones(4, dtype=int), bead, 1.2 * bead, 0.1 * bead)
     (peaks,) = run_page.distances(problem, part, found(waves), Range1d(0, 7), units)
     line, points = peaks.renderers
-    assert list(line.data_source.data["bead"]) == [1, 2, 3, 4, 5, 6]
+    np.testing.assert_array_equal(line.data_source.data["x"], [1.0, 2.0, np.nan, 4.0, np.nan, 6.0])
     worth = units["velocity"].worth
     expected = worth * np.array([0.1, 0.2, np.nan, 0.4, np.nan, 0.6])
-    np.testing.assert_allclose(line.data_source.data["value"], expected)
-    assert list(points.data_source.data["bead"]) == [4, 6]
-    np.testing.assert_allclose(points.data_source.data["value"], [0.4 * worth, 0.6 * worth])
+    np.testing.assert_allclose(line.data_source.data["y"], expected)
+    assert list(points.data_source.data["x"]) == [4, 6]
+    np.testing.assert_allclose(points.data_source.data["y"], [0.4 * worth, 0.6 * worth])
 
 
 def test_the_arrival_after_that_in_the_first_chain_is_positive_where_a_chain_is_later(held):
@@ -112,9 +115,9 @@ def test_the_line_of_peak_velocities_ends_where_another_pulse_leads(held):
     waves = with_speeds(np.ones(3, dtype=int), bead, 1.2 * bead, 0.1 * bead, pulse)
     (peaks,) = run_page.distances(problem, part, found(waves), Range1d(0, 6), units)
     line, alone = peaks.renderers
-    np.testing.assert_array_equal(line.data_source.data["bead"], [2.0, 3.0, 3.5, 4.0])
-    assert np.isnan(line.data_source.data["value"]).tolist() == [False, False, True, False]
-    assert alone.data_source.data["bead"].tolist() == [4.0]
+    np.testing.assert_array_equal(line.data_source.data["x"], [2.0, 3.0, 3.5, 4.0])
+    assert np.isnan(line.data_source.data["y"]).tolist() == [False, False, True, False]
+    assert alone.data_source.data["x"].tolist() == [4.0]
 
 
 def test_axes_cursors_and_bars_have_the_unit_of_what_they_show(held):
@@ -144,8 +147,10 @@ def test_axes_cursors_and_bars_have_the_unit_of_what_they_show(held):
         for word, value in tool.tooltips:
             told = tool.formatters.get(value.removesuffix("{custom}"))
             said[word] = told and told.args.get("unit")
+    assert not said.pop("bead")
     assert said == {
-        **dict.fromkeys(("bead", "chain")),
+        "chain": None,
+        "energy": unit("energy"),
         "time": unit("time"),
         "velocity": unit("velocity"),
         **{word: unit("length") for word in ("displacement", "overlap with the next")},
@@ -313,24 +318,26 @@ def test_forces_of_gauges_and_pushes_are_drawn_over_time_in_the_units_of_the_pag
     problem, run, part, units = held
     half = np.zeros((3, 3, 2))
     half[1, 2] = 0.5, 0.25
-    places = [SimpleNamespace(name="right wall"), SimpleNamespace(name="contact 2")]
-    readings = SimpleNamespace(loaded=True, gauges=places, time=np.array([0.0, 1.0, 2.0]), force=half)
+    places = (SimpleNamespace(name="right wall"), SimpleNamespace(name="contact 2"))
+    numbers = [np.ones((3, 2))] * 8
+    readings = Readings(places, np.array([0.0, 1.0, 2.0]), half, *numbers, *numbers[:2], np.zeros((3, 2), dtype=int))
     push = Load(2, 4, HalfSine(0.5, 3.0))
     pushed = replace(problem, system=replace(problem.system, loads=(push,)))
-    gauged, external = run_page.forces(pushed, part, readings, Range1d(0, 1), units)
+    gauged, external = run_page.forces(pushed, part, ForceMeasurement(problem, [], readings), Range1d(0, 1), units)
     assert (gauged.title.text, external.title.text) == ("total force at gauges", "external force on beads")
     lines = {item.label.value: item.renderers for item in gauged.legend[0].items}
-    assert list(lines) == ["right wall, chain 1", "right wall, chain 3", "contact 2, chain 1", "contact 2, chain 3"]
+    assert list(lines) == [f"{place.name}, chain {chain}" for place in places for chain in (1, 2, 3)]
     # a chain has its colour and dashes, a gauge its mark
     assert lines["contact 2, chain 3"][0].glyph.line_dash == lines["right wall, chain 3"][0].glyph.line_dash != []
-    assert [lines[name][1].glyph.marker for name in lines] == ["circle", "circle", "square", "square"]
+    assert [lines[name][1].glyph.marker for name in lines] == ["circle"] * 3 + ["square"] * 3
     data = lines["contact 2, chain 3"][0].data_source.data
-    np.testing.assert_allclose(data["force"], np.array([0.0, 0.25, 0.0]) * units["force"].worth)
-    np.testing.assert_allclose(data["time"], readings.time * units["time"].worth)
+    newtons = unit_on(gauged.yaxis.axis_label, problem, "N")
+    np.testing.assert_allclose(data["y"] * newtons, np.array([0.0, 0.25, 0.0]) * problem.scale.force)
+    np.testing.assert_allclose(data["x"], readings.time * units["time"].worth)
     (line,) = external.renderers
     assert external.legend[0].items[0].label.value == "bead 4, chain 2"
     expected = [push.force(time) * units["force"].worth for time in run.time]
-    np.testing.assert_allclose(line.data_source.data["force"], expected)
+    np.testing.assert_allclose(line.data_source.data["y"], expected)
 
 
 def test_beads_are_drawn_at_their_sizes():

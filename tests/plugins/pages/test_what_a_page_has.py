@@ -11,14 +11,15 @@ from bokeh.plotting import figure
 from plug_ins import needs
 
 import granchain
-from analysis.figures.style import shown_chains
+from analysis.figures.panels import shown_chains
 from workflow.cli import main
 from workflow.plugins.pages import run_page
 from workflow.plugins.pages.downsample import thinned
 from workflow.plugins.pages.measured import plots_of
 from workflow.plugins.pages.plots import NOW
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts.analyse import analyse, default_beads
+from workflow.verdicts.analyse import default_beads
+from workflow.verdicts.analysis_files import analyse
 
 STEEL = {"name": "steel", "radius": 4.76e-3}
 CHAIN = {"name": "made", "chains": 1, "beads": 30, "kick": {"velocity": 1.0}, "duration": 30.0}
@@ -89,7 +90,7 @@ def test_spectra_have_a_line_for_each_drive_and_are_drawn_without_any(pages, cou
     page = pages["driven"]
     measured = page.analysis.measurements["spectra"]
     several = replace(measured, spectra=replace(measured.spectra, drive=np.linspace(0.1, 0.2, count)))
-    (plot,) = plots_of(page.problem, page.part, {"spectra": several}, Range1d(0.0, 1.0), {})
+    (plot,) = plots_of(page.problem, {"spectra": several}, Range1d(0.0, 1.0), {})
     assert sum(isinstance(span, Span) for span in plot.center) == count
     assert ("frequency of the drive" in plot.title.text) == (count > 0)
 

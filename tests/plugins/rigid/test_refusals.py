@@ -8,7 +8,7 @@ from sweeps import SMALL
 from lammps_inputs import InputError, strict_yaml
 from lammps_inputs.library import from_plain
 from workflow.runs.run import run
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 
 
 @pytest.mark.parametrize("name", ["foundation", "walls", "dimer", "ring", "damping viscoelastic, cut"])

@@ -16,7 +16,7 @@ from workflow.plugins.rigid.events import from_events
 from workflow.plugins.rigid.rounding import by_rounding
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 from workflow.verdicts.analysis_lines import lines
 
 

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from stock_lammps import scene
 
-from analysis.sharing.energies import EnergyFlow
+from analysis.sharing.energies import FlowMeter
 from analysis.sharing.impulses import measure
-from analysis.trajectory import watch
 from lammps_inputs import Kick, find
 from workflow.cli import main
 from workflow.plugins.rigid import events
@@ -51,7 +50,7 @@ def test_the_differences_of_each_chain_are_those_of_the_impulses_and_of_the_ener
     collisions, contacts = first_impulses(*pair)
     rows = slice(0, 14 - 5 - 1)  # to bead 9, five before the end; in all of them both models pass something on
     apart = np.abs(collisions.first - contacts.first)[:, rows] / contacts.first[:, rows].max(axis=0)
-    flows = [watch(EnergyFlow(run.problem), run.blocks()).result() for run in pair]
+    flows = [FlowMeter(run.problem).read(run.blocks()) for run in pair]
     shares = np.abs(flows[0].share - flows[1].share)
     for chain, difference in enumerate(validation.runs.chains):
         assert difference.chain == chain + 1

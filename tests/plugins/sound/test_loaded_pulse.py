@@ -8,10 +8,9 @@ from synthetic_waves import of_keys
 
 from analysis import motion
 from analysis.shape.unit_cell import cell_of
-from analysis.trajectory import watch
 from lammps_inputs import laws
 from workflow.engines.reference import engine
-from workflow.plugins.sound.loaded_pulse import LoadedPulse
+from workflow.plugins.sound.loaded_pulse import LoadedPulseMeter
 
 KINDS = {"heavy": {"mass": 1.0}, "light": {"mass": 0.3}}
 
@@ -22,7 +21,7 @@ def found(bead, velocity):
     kick = {"bead": bead, "velocity": velocity}
     problem = of_keys(**{**plain, "kick": kick, "output": {"every": 0.05}})
     run = engine.run(problem)
-    return watch(LoadedPulse(problem), (run[:100], run[100:])).result(), run
+    return LoadedPulseMeter(problem).read((run[:100], run[100:])), run
 
 
 @pytest.mark.parametrize(("bead", "first"), [(1, 20), (27, 27)])
@@ -52,7 +51,7 @@ def test_a_front_of_sound_runs_as_fast_as_its_dispersion_says(pattern):
     """Its maximum is Airy's, 1.0188 (a c0 t)**(1/3) behind c0 t where omega = c0 (q - a q**3 / 3)."""
     plain = {"beads": 150, "precompression": {"force": 1.0}, "kick": {"velocity": 1e-4}}
     problem = of_keys(**plain, duration=150.0, kinds=KINDS, pattern=pattern)
-    wave = watch(LoadedPulse(problem), engine.blocks(problem)).result()
+    wave = LoadedPulseMeter(problem).read(engine.blocks(problem))
     short, long = cell_of(problem.system).branches(np.array([0.1, 0.01]))[:, 0] / [0.1, 0.01]
     bent = 3.0 * (1.0 - short / long) / (0.1**2 - 0.01**2)
     way = 0.5 * (wave.first + wave.last)

@@ -9,11 +9,11 @@ from ingredient_scenes import COLUMN, STEEL
 from plain_scene import scene
 
 from workflow.cli import main
-from workflow.plugins.sound.dispersion import Dispersion
-from workflow.plugins.sound.loaded_pulse import LoadedPulse
+from workflow.plugins.sound.dispersion import DispersionMeter
+from workflow.plugins.sound.loaded_pulse import LoadedPulseMeter
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -63,10 +63,7 @@ def test_linear_contacts_show_the_exact_band_in_a_run(tmp_path):
         output={"every": 0.25},
     )
     found = run(case, tmp_path / "run", check=False)
-    spectrum = Dispersion(found.directory.problem)
-    for block in found.directory.blocks():
-        spectrum.add(block)
-    seen = spectrum.result()
+    seen = DispersionMeter(found.directory.problem).read(found.directory.blocks())
     assert seen.cell.bands()[0, 1] == pytest.approx(2.0, rel=1e-12)
     assert abs(seen.measured_bands()[0, 1] - 2.0) < seen.bin
 
@@ -82,10 +79,7 @@ def test_waves_on_a_load_are_faster_than_the_long_wave_theory_says(tmp_path, for
         precompression={"force": force}, beads=beads, duration=duration, output={"every": 0.1}, timestep=0.005
     )
     run(case, tmp_path / "run", check=False)
-    watcher = LoadedPulse(case.problem())
-    for block in RunDirectory(tmp_path / "run").blocks():
-        watcher.add(block)
-    wave = watcher.result()
+    wave = LoadedPulseMeter(case.problem()).read(RunDirectory(tmp_path / "run").blocks())
     assert wave.force_ratio == pytest.approx(ratio, rel=0.02)
     assert wave.over_theory == pytest.approx(faster, abs=1e-4)
 

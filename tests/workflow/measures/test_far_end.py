@@ -10,13 +10,12 @@ from synthetic_waves import of_keys
 
 from analysis import motion
 from analysis.gauges.gauge import at_frames, far_wall
-from analysis.trajectory import watch
 from workflow.engines.reference import engine
 from workflow.measures.far_end import FarEndMeter
 
 
 def far_end(run):
-    return watch(FarEndMeter(run.problem), [run]).result()
+    return FarEndMeter(run.problem).read([run])
 
 
 @pytest.mark.parametrize(("hit", "velocity", "end"), [(1, 1.0, slice(18, 20)), (20, -1.0, slice(0, 2))])
@@ -31,7 +30,7 @@ def test_frames_far_apart_say_what_energy_passes_the_last_tenth_and_when(hit, ve
     there = motion.bead_energy(fine.system, run.displacement[..., end], run.velocity[..., end], end.start + 1)
     share = there.sum(axis=(1, 2)) / 0.5  # of the kick
     trajectory = engine.run(coarse)
-    found = watch(FarEndMeter(coarse), (trajectory[:37], trajectory[37:])).result()
+    found = FarEndMeter(coarse).read((trajectory[:37], trajectory[37:]))
     rising = slice(0, int(np.argmax(share)))
     assert found.transmitted_energy == pytest.approx(share.max(), rel=1e-4)
     assert found.delay == pytest.approx(np.interp(0.5 * share.max(), share[rising], run.time[rising]), abs=5e-4)

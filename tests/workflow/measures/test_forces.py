@@ -11,7 +11,6 @@ from synthetic_waves import of_keys
 from analysis.files.traces import Channel
 from analysis.gauges.channels import beads_of, complaint, read, read_at
 from analysis.gauges.gauge import gauges
-from analysis.trajectory import watch
 from lammps_inputs import physics
 from workflow.engines.reference import engine
 from workflow.measures.forces.force_meter import ForceMeter
@@ -31,7 +30,7 @@ def walled(**changes):
 
 def readings_of(trajectory, *blocks, **places):
     meter = ForceMeter(trajectory.problem, gauges(trajectory.problem.system, **{"wall": True, **places}))
-    return watch(meter, blocks or (trajectory,)).result()
+    return meter.read(blocks or (trajectory,))
 
 
 @pytest.fixture(scope="module")
@@ -254,10 +253,9 @@ def test_a_force_that_never_exceeds_the_static_one_has_no_largest_dynamic_value(
     assert readings.impulse[0, 0] == pytest.approx(-0.6, rel=1e-3)
 
 
-def test_the_dwell_is_that_of_the_hardest_contact():
-    """Beads 1 and 2 overlap by 0.1 at most from t = 1 to 2, by 0.5 from 4 to 7, by 0.2 from 8 to 9."""
+def struck(*blows):
+    """Readings of two beads that overlap from a time on, for a time, by a length at most, in each blow."""
     small = problem(chains=1, recorded=(1, 2))
-    blows = ((1.0, 1.0, 0.1), (4.0, 3.0, 0.5), (8.0, 1.0, 0.2))
 
     def motion(t):
         overlap, rate = 0.0 * t, 0.0 * t
@@ -268,11 +266,27 @@ def test_the_dwell_is_that_of_the_hardest_contact():
         first = np.array([1.0, 0.0])  # bead 1 moves, bead 2 does not
         return first * overlap, first * rate
 
-    readings = readings_of(written_down(small, motion), wall=False, contacts=(1,))
+    return readings_of(written_down(small, motion), wall=False, contacts=(1,))
+
+
+def test_the_dwell_is_that_of_the_hardest_contact():
+    readings = struck((1.0, 1.0, 0.1), (4.0, 3.0, 0.5), (8.0, 1.0, 0.2))
     assert readings.contacts[0, 0] == 3
     assert readings.largest[0, 0] == pytest.approx(0.5**1.5, rel=1e-4)
     assert readings.at[0, 0] == pytest.approx(5.5, abs=0.01)
     assert readings.dwell[0, 0] == pytest.approx(3.0, abs=0.02)
+
+
+def test_a_dwell_is_known_where_two_contacts_that_last_as_long_are_as_hard():
+    """Which of them is harder decides rounding; a weak one in between does not count."""
+    readings = struck((1.0, 3.0, 0.5), (5.0, 0.5, 0.1), (6.0, 3.03, 0.5))
+    assert readings.at_error[0, 0] > 4.0
+    assert readings.dwell[0, 0] == pytest.approx(3.0, abs=0.04)
+    assert 0.02 < readings.dwell_error[0, 0] < 0.06
+
+
+def test_a_dwell_is_withheld_where_two_contacts_are_as_hard_and_last_otherwise():
+    assert np.isnan(struck((1.0, 3.0, 0.5), (6.0, 2.0, 0.5)).dwell[0, 0])
 
 
 def test_beads_at_rest_are_read_as_no_force():

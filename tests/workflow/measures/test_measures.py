@@ -128,7 +128,14 @@ def spectra(request):
     lines[1, 0], lines[2, 1] = [0.1, 0.2], [0.3, 0.4]  # [line, chain, bead]
     at_drive = np.array([[[0.5, 0.1], [0.8, 0.2]]])
     seen = VelocitySpectra(
-        (1, 8), 4.0, np.array([0.0, 0.5, 1.0]), lines, np.array([frequency * driven.scale.time]), at_drive
+        (1, 8),
+        4.0,
+        np.array([0.0, 0.5, 1.0]),
+        lines,
+        np.array([frequency * driven.scale.time]),
+        at_drive,
+        amplitude_error=0.1 * lines,
+        at_drive_error=0.1 * at_drive,
     )
     return SpectrumMeasurement(driven, seen.found(driven), seen), driven.scale, frequency
 
@@ -142,7 +149,10 @@ def test_spectra_say_what_the_last_bead_has_of_the_drive_in_the_chain_that_is_dr
     assert sorted(entries) == [(1, 1), (1, 8), (2, 1), (2, 8)]
     last = entries[2, 8]
     assert (last["frequency"], last["amplitude"]) == pytest.approx((1.0 / scale.time, 0.4 * scale.velocity))
+    errors = (last["frequency_error"], last["amplitude_error"])
+    assert errors == pytest.approx((0.25 / scale.time, 0.04 * scale.velocity))
     told = {"frequency": frequency, "amplitude": 0.2 * scale.velocity, "transmissibility": 0.25}
+    told |= {"amplitude_error": 0.02 * scale.velocity, "transmissibility_error": 0.04 / 0.72}
     assert last["at_drive"] == [pytest.approx(told)]
 
 

@@ -27,7 +27,7 @@ def pulse(chain, direction, beads, start, peak):
         start + np.arange(len(beads)),
         velocity,
         np.ones(len(beads)),
-        *np.zeros((2, len(beads))),
+        *np.zeros((3, len(beads))),
     )
 
 

@@ -9,10 +9,17 @@ import pytest
 from small_problems import problem, written_down
 
 from analysis.quantity import csv_of
-from analysis.trajectory import watch
+from analysis.sharing.run_error import MeasuredError
 from lammps_inputs.loads import Motion
 from lammps_inputs.units import make_scale
-from workflow.measures.spectra import SpectrumMeter, VelocitySpectra, amplitude_at, amplitudes
+from workflow.measures.spectra import (
+    SpectrumMeter,
+    VelocitySpectra,
+    amplitude_at,
+    amplitude_errors,
+    amplitudes,
+    on_lines,
+)
 
 EVERY, COUNT = 0.25, 400
 TIME = EVERY * np.arange(COUNT)
@@ -43,7 +50,7 @@ def test_spectra_are_of_the_beads_named_from_the_time_named_or_half_the_duration
         driven, lambda t: (0.0 * t, here * np.where(t < 6.0, 0.0, np.sin(2.0 * np.pi * frequency * t)))
     )
     parts = trajectory[:33], trajectory[33:]
-    found = {after: watch(SpectrumMeter(driven, (3, 8), after), parts).result() for after in (None, 6.05)}
+    found = {after: SpectrumMeter(driven, (3, 8), after).read(parts) for after in (None, 6.05)}
     assert found[None].after == 5.0
     assert found[6.05].at_drive[0] == pytest.approx(np.array([[0.0, 0.0], [0.4, 0.0]]), abs=0.01)
     assert found[None].at_drive[0, 1, 0] < 0.39  # a fifth of the time it stood still
@@ -53,9 +60,8 @@ def test_spectra_are_of_the_beads_named_from_the_time_named_or_half_the_duration
 @pytest.mark.parametrize(("frequency", "seen"), [(4.9, True), (5.1, False)])
 def test_a_drive_with_less_than_two_frames_a_cycle_has_no_amplitude(frequency, seen):
     driven = problem(motions=(Motion(1, 1, 0.1, 2.0 * np.pi * frequency, 0.0),))
-    meter = SpectrumMeter(driven, (3,), 0.0)
-    meter.add(written_down(driven, lambda t: (0.0 * t, np.sin(2.0 * np.pi * frequency * t))))
-    assert np.isfinite(meter.result().at_drive).all() == seen
+    run = written_down(driven, lambda t: (0.0 * t, np.sin(2.0 * np.pi * frequency * t)))
+    assert np.isfinite(SpectrumMeter(driven, (3,), 0.0).read([run]).at_drive).all() == seen
 
 
 SWINGS = VelocitySpectra(
@@ -65,6 +71,8 @@ SWINGS = VelocitySpectra(
     amplitude=np.array([[[0.0, 0.0], [0.0, 0.0]], [[0.13, 0.18], [0.23, 0.28]]]),  # [line, chain, bead]
     drive=np.array([0.1]),
     at_drive=np.array([[[0.5, 0.1], [0.2, 0.1]]]),
+    amplitude_error=np.array([[[0.0, 0.0], [0.0, 0.0]], [[0.01, 0.02], [0.03, 0.04]]]),
+    at_drive_error=np.array([[[0.1, 0.01], [0.3, 0.01]]]),
 )
 
 
@@ -82,8 +90,61 @@ def test_the_table_has_each_chain_and_bead_in_its_column_in_the_scenes_units(si)
     assert float(line.pop("frequency (Hz)" if si else "frequency")) == pytest.approx(0.1 / scale.time)
     unit = " (m/s)" if si else ""
     expected = {f"chain {c} bead {b}{unit}": (c / 10 + b / 100) * 0.1 for c in (1, 2) for b in (3, 8)}
+    errors = zip(((1, 3), (1, 8), (2, 3), (2, 8)), (0.01, 0.02, 0.03, 0.04), strict=True)
+    expected |= {f"chain {c} bead {b} error{unit}": 0.1 * error for (c, b), error in errors}
     assert {name: float(value) for name, value in line.items()} == pytest.approx(expected)
 
 
 def test_what_is_passed_on_is_over_the_first_bead_named_of_the_same_chain():
     np.testing.assert_allclose(SWINGS.transmissibility, [[[1.0, 0.2], [1.0, 0.5]]])
+
+
+def test_the_error_of_what_is_passed_on_is_the_largest_that_errors_of_both_amplitudes_make():
+    """That of the first bead itself is 0, and none is known where its amplitude may be 0."""
+    expected = [[[0.0, 0.11 / 0.4 - 0.1 / 0.5], [0.0, np.nan]]]
+    np.testing.assert_allclose(SWINGS.transmissibility_error, expected)
+
+
+def test_the_error_of_the_highest_line_reaches_to_lines_that_may_be_as_high():
+    lines = np.array([5.0, 0.8, 0.3, 1.0, 0.95])[:, np.newaxis, np.newaxis]
+    errors = np.array([0.0, 0.2, 0.1, 0.1, 0.0])[:, np.newaxis, np.newaxis]
+    of_drives = np.zeros((0, 1, 1))
+    frequency = 0.1 * np.arange(5.0)
+    spectra = VelocitySpectra((3,), 0.0, frequency, lines, np.zeros(0), of_drives, errors, of_drives)
+    (highest,) = spectra.found(problem(chains=1)).beads
+    assert (highest.frequency, highest.amplitude_error) == pytest.approx((0.3, 0.1))
+    assert highest.frequency_error == pytest.approx(0.05 + 0.2)  # to line 1; line 0 is no oscillation
+
+
+@pytest.mark.parametrize("frames", [160, 161])
+def test_amplitudes_differ_from_those_of_closer_frames_by_no_more_than_their_errors(frames):
+    """Pulses 1 T to 4 T long at random times, as a velocity: of eight times as many frames over the same time."""
+    chance, finer, many = np.random.default_rng(1), 8, 200
+    time = EVERY / finer * np.arange(finer * (frames - 1) + 1)[:, np.newaxis]
+    signal = np.zeros((len(time), many))
+    for _ in range(5):
+        centre, width = chance.uniform(0.0, EVERY * frames, many), chance.uniform(0.5, 2.0, many)
+        signal += chance.uniform(-1.0, 1.0, many) / np.cosh((time - centre) / width) ** 2
+    seldom, frequency = signal[::finer], 0.11
+
+    def height(chosen):
+        return amplitude_at(seldom[chosen], EVERY * (chosen.step or 1), frequency)
+
+    error = np.abs(height(slice(None)) - amplitude_at(signal, EVERY / finer, frequency))
+    stated = amplitude_errors(height)
+    assert np.mean(error <= stated) >= 0.95
+    assert np.median(stated) < 5.0 * np.median(error)
+
+
+def test_amplitudes_of_chosen_frames_on_lines_are_those_at_the_frequencies_of_the_lines():
+    signal = np.random.default_rng(2).normal(size=(21, 2))
+    lines = np.arange(11) / (21 * EVERY)
+    for frames in (slice(None), slice(0, None, 2), slice(1, None, 2), slice(0, -1)):
+        expected = [amplitude_at(signal[frames], EVERY * (frames.step or 1), line) for line in lines]
+        np.testing.assert_allclose(on_lines(signal, frames), expected, atol=1e-12)
+
+
+def test_amplitudes_have_twice_the_error_of_the_velocities_of_the_run():
+    total = SWINGS.with_error(MeasuredError(velocity=0.01, measured=True))
+    np.testing.assert_allclose(total.amplitude_error - SWINGS.amplitude_error, 0.02)
+    np.testing.assert_allclose(total.at_drive_error - SWINGS.at_drive_error, 0.02)

@@ -57,9 +57,7 @@ def test_where_the_force_on_walls_is_read_the_end_waits_for_the_pulse_at_the_far
     plain |= {"until_bead": 20, "output": {"forces": {"wall": True}}, **changes}
     problem = with_duration(library.from_plain(plain, "a")).problem()
     meter = ForceMeter(problem, (far_wall(problem.system),))
-    run = engine.run(problem)
-    meter.add(run)
-    found = meter.result()
+    found = meter.read([engine.run(problem)])
     for chain in range(problem.chains):
         above = found.force[:, chain, 0] - found.static[chain, 0]
         released = (found.time > found.at[chain, 0]) & (above <= PULSE * found.dynamic[chain, 0])

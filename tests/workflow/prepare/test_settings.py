@@ -28,7 +28,7 @@ from workflow.prepare.step_choice import ChosenStep
 from workflow.runs.check import check
 from workflow.runs.run import prepare_run, run, run_prepared
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 

@@ -19,7 +19,7 @@ from lammps_inputs import Kick, file_names, load
 from lammps_inputs.decks import deck, scene_files
 from workflow.prepare.window_width import with_window
 from workflow.runs.run import run
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 

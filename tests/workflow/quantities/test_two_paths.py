@@ -7,7 +7,7 @@ import random
 import pytest
 from random_scenes import draw
 
-from lammps_inputs import find, installed_scenes, physics
+from lammps_inputs import find, installed_scenes
 from workflow.cli import main
 from workflow.quantities.columns import AT_BEAD, KNOWN, MASS, UNCERTAINTIES
 from workflow.quantities.evaluate import of_frames, of_scene, scene_to_run
@@ -57,9 +57,7 @@ def unlike_in_frames(plain, tmp_path, *, alone):
     """Quantities of a scene's frames that differ from those of its analysis; computed one by one, or each alone."""
     names = all_names(plain)
     directory, row = analysed(plain, names, tmp_path)
-    read = list(directory.blocks())
-    if physics.exchanges(directory.problem.system):  # followed with the steps of the run
-        read = list(map(accountant(directory, directory.problem).of, read))
+    read = list(accountant(directory, directory.problem).counted(directory.blocks()))  # with the steps of the run
     values = {}
     for asked in [(name,) for name in names] if alone else [names]:
         values |= of_frames(directory.problem, lambda: read, directory.scene, asked)

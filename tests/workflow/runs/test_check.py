@@ -1,7 +1,6 @@
 """Every LAMMPS run ends with its measured error, which is that of a full comparison, as run.json says."""
 
 import json
-import math
 import re
 from dataclasses import asdict, replace
 from types import SimpleNamespace
@@ -11,8 +10,7 @@ import pytest
 from small_problems import problem
 from stock_lammps import scene
 
-from analysis.compare.common_times import paired
-from analysis.compare.difference import DeviationPlace, Difference
+from analysis.compare.difference import DeviationPlace, errors_of
 from analysis.trajectory import joined
 from lammps_inputs import Kick, Material, library, strict_yaml
 from workflow.cli import main
@@ -47,10 +45,7 @@ def finished(tmp_path_factory):
 def full(finished):
     """Deviations of all its frames from a reference with an uncertainty of 1e-9."""
     problem = finished.directory.problem
-    difference = Difference(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
-    for pair in paired(finished.directory.blocks(), accurate_reference(problem, 1e-9).blocks()):
-        difference.add(*pair)
-    return difference.deviations()
+    return errors_of(finished.directory.blocks(), accurate_reference(problem, 1e-9).blocks())
 
 
 def test_run_json_holds_the_check(finished):

@@ -14,7 +14,7 @@ from workflow.engines.lammps import mpi
 from workflow.prepare.settings import settle
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory, fingerprint
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 

@@ -21,13 +21,14 @@ from lammps_inputs.units import make_scale
 from workflow.cli import main
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_files import analyse
 from workflow.verdicts.analysis_report import waves_table
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
 COLUMNS = ["chain", "bead", "pulse", "arrival", "peak_velocity", "speed", "lag", "width", "residual"]
 COLUMNS += ["chain_energy", "wave_energy", "arrival_error", "peak_velocity_error"]
+COLUMNS += ["speed_error", "lag_error", "width_error", "residual_error"]
 COLUMNS += ["chain_energy_error", "wave_energy_error"]
 
 
@@ -105,6 +106,7 @@ def test_waves_csv_of_an_si_scene_names_its_units(found):
     survey = found.survey.replaced(problem=replace(found.problem, scale=scale))
     units = {"arrival": "s", "peak_velocity": "m/s", "speed": "beads/s", "lag": "s"}
     units |= {"chain_energy": "J", "wave_energy": "J", "arrival_error": "s", "peak_velocity_error": "m/s"}
+    units |= {"speed_error": "beads/s", "lag_error": "s"}
     units |= {"chain_energy_error": "J", "wave_energy_error": "J"}
     head, *lines = waves_table(survey).to_csv().splitlines()
     assert head.split(",") == [f"{name} ({units[name]})" if name in units else name for name in COLUMNS]

@@ -12,7 +12,7 @@ from analysis.quantity import plain
 from analysis.sharing.equipartition import AmplitudeRange, Estimate, Final
 from analysis.sharing.survey import Survey, survey
 from analysis.sharing.verdict import DecayFit, EquipartitionState, Verdict
-from analysis.tracking.leading_waves import Waves, with_speeds
+from analysis.tracking.leading_waves import Waves, lags, with_speeds
 from analysis.tracking.pulses import Pulse, Train
 from analysis.tracking.succession import Change
 from lammps_inputs.units import make_scale
@@ -23,7 +23,8 @@ from workflow.verdicts.analysis_report import Equipartition, LeadingWave, waves_
 
 def test_a_train_is_told_in_the_scenes_units():
     scale = make_scale(2.0, 3.0, 0.1, si=True)
-    seen = Train(2, 30, np.array([10.0, 14.0, 15.0]), np.array([0.8, 0.6, 0.2]), np.array([0.1, 0.2, np.nan]))
+    columns = ([10.0, 14.0, 15.0], [0.8, 0.6, 0.2], [0.1, 0.2, np.nan], [1.0, 2.0, 4.0])
+    seen = Train(2, 30, *map(np.array, columns))
     told = plain(seen, scale)
     assert (told["chain"], told["bead"], told["pulses"]) == (2, 30, 3)
     assert told["arrival"] == pytest.approx([10.0 * scale.time, 14.0 * scale.time, 15.0 * scale.time])
@@ -31,6 +32,8 @@ def test_a_train_is_told_in_the_scenes_units():
     assert told["uncertainty"] == [pytest.approx(0.01), pytest.approx(0.02), None]
     assert told["ratio"] == pytest.approx([1.0, 0.75, 0.25])
     assert told["spacing"] == pytest.approx([4.0 * scale.time, 1.0 * scale.time])
+    assert told["ratio_error"] == [0.0, pytest.approx((0.2 + 0.75 * 0.1) / 0.7), None]
+    assert told["spacing_error"] == pytest.approx([3.0 * scale.time, 6.0 * scale.time])
 
 
 class Shared(SimpleNamespace):
@@ -59,6 +62,8 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
             agrees_from=lambda tolerance: round(1.0 / tolerance),
             in_step_from=lambda tolerance: round(2.0 / tolerance),
             wave_share=np.array([[0.5, 0.4], [0.5, 0.47]]),
+            amplitude=np.array([[0.5, 0.4], [0.5, 0.4]]),
+            amplitude_error=np.array([[0.05, 0.04], [0.005, 0.008]]),
             bead=np.array([6, 7]),
             span=AmplitudeRange(6, 7, 0.33, 0.35),
         ),
@@ -68,6 +73,7 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
             wave=np.array([[0.5, 0.4], [0.5, 0.48]]),
             wave_error=np.array([[1e-3, 2e-3], [2e-3, 3e-3]]),
             chain=np.array([[0.6, 0.4], [0.52, 0.48]]),
+            chain_error=np.array([[6e-3, 4e-3], [5e-3, 4e-3]]),
         ),
         problem=problem(),
     )
@@ -79,7 +85,10 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
     assert told["final"] == pytest.approx({"value": 0.34, "uncertainty": 0.01, "reduction": 0.66})
     assert told["range"] == {"first": 6, "last": 7, "least": 0.33, "largest": 0.35}
     assert told["energy_share"].pop("chains") == [0.52, 0.48]
-    assert told["energy_share"] == pytest.approx({"exact": 0.97, "measured": 0.98, "measured_error": 5e-3})
+    assert told["energy_share"].pop("chains_error") == [5e-3, 4e-3]
+    of_exact = 0.5 * (1.01**2 - 1.0) + 0.47 * (1.02**2 - 1.0)
+    shares = {"exact": 0.97, "exact_error": of_exact, "measured": 0.98, "measured_error": 5e-3}
+    assert told["energy_share"] == pytest.approx(shares)
     law = {"v0": 0.6, "n_star": 300.0, "n_star_error": 2.0, "n_star_expected": 270.9, "first": 10, "last": 90}
     assert told["decay_law"] == {**law, "deviation": 0.01}
 
@@ -89,7 +98,7 @@ def test_each_chain_is_told_at_its_last_bead_clear_of_the_end(si):
     """Of 20 beads that is 15; each number is another, and each column has its own unit."""
     scale = make_scale(2.0, 3.0, 0.1, si=si)
     bead = np.array([14, 15, 16])
-    columns = (bead + offset / 10.0 for offset in range(5))
+    columns = (bead + offset / 10.0 for offset in range(6))
     waves = Waves(np.full(3, 2), bead, np.full(3, 4), *columns, time=bead)
     succession = tuple(Change(chain, last, last + 1, 0.5, 0.6) for chain, last in ((1, 3), (2, 5), (2, 9)))
     told = plain(summary(waves, problem(beads=20, scale=scale), 2, succession), scale)
@@ -106,6 +115,7 @@ def test_each_chain_is_told_at_its_last_bead_clear_of_the_end(si):
             "arrival_reduced": 15.0,
             "arrival_error": 15.3 * scale.time,
             "peak_velocity_error": 15.4 * scale.velocity,
+            "speed_error": 15.5 / scale.time,
         }
     )
     nothing = dict.fromkeys(told) | {"chain": 1, "beads_reached": 0, "ended": []}
@@ -149,7 +159,7 @@ def test_a_train_ends_before_the_first_pulse_that_is_not_steady(amplitude, count
 
     def pulse(late, last):
         return Pulse(
-            1, 1, bead, bead + late, 0.5 + (last - 0.5) * bead / 80.0, np.ones(len(bead)), *np.zeros((2, len(bead)))
+            1, 1, bead, bead + late, 0.5 + (last - 0.5) * bead / 80.0, np.ones(len(bead)), *np.zeros((3, len(bead)))
         )
 
     found = SimpleNamespace(
@@ -171,12 +181,16 @@ def test_each_wave_has_its_own_lag_and_energies(direction):
     bead = along if direction > 0 else 11 - along[::-1]
     passed = np.array([3.0, 4.0])[::direction]
     arrival = np.concatenate([passed + np.array([0.5, 0.25])[::direction], passed])
-    waves = with_speeds(np.repeat([1, 2], 2), np.tile(bead, 2), arrival, np.full(4, 0.6), direction=direction)
+    chains, errors = np.repeat([1, 2], 2), np.array([1e-3, 2e-3, 4e-3, 8e-3])
+    waves = with_speeds(chains, np.tile(bead, 2), arrival, np.full(4, 0.6), arrival_error=errors, direction=direction)
     found = SimpleNamespace(
         problem=what,
         waves=waves,
+        lags=lags(waves, 2),
         direction=direction,
-        shape=SimpleNamespace(width=np.full(4, 2.3), residual=np.zeros(4)),
+        shape=SimpleNamespace(
+            width=np.full(4, 2.3), residual=np.zeros(4), width_error=np.zeros(4), residual_error=np.zeros(4)
+        ),
         shared=SimpleNamespace(bead=along, kicked=1, energy=0.5),
         energies=SimpleNamespace(
             place=np.array([0, 1]),
@@ -190,9 +204,11 @@ def test_each_wave_has_its_own_lag_and_energies(direction):
         (int(one["chain"]), int(one["bead"])): one for one in csv.DictReader(io.StringIO(waves_table(found).to_csv()))
     }
     for place, at in enumerate((2, 3) if direction > 0 else (9, 8)):
-        for chain, late in ((1, (0.5, 0.25)[place]), (2, 0.0)):
+        for chain, behind in ((1, (0.5, 0.25)[place]), (2, 0.0)):
             one = lines[chain, at]
-            assert float(one["lag"]) == pytest.approx(late)
+            assert float(one["lag"]) == pytest.approx(behind)
+            both = errors[:2][bead == at] + errors[2:][bead == at]
+            assert float(one["lag_error"]) == pytest.approx(both[0] if chain == 1 else 0.0)
             assert float(one["speed"]) > 0.0
             assert float(one["chain_energy"]) == pytest.approx(0.5 * found.energies.chain[place, chain - 1])
             assert float(one["wave_energy"]) == pytest.approx(0.5 * found.energies.wave[place, chain - 1])

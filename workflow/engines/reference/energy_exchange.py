@@ -3,6 +3,7 @@
 Independent of files. Frames are of all beads, at any distance in time.
 """
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -17,7 +18,7 @@ from workflow.engines.reference.schemes import BLANES_MOAN
 
 @dataclass
 class Accountant(FrameAccountant):
-    """Gives blocks of frames, from the first of a run on, their exchange.
+    """Gives the frames of a run their exchange.
 
     Args:
         problem: the run's problem.
@@ -28,23 +29,31 @@ class Accountant(FrameAccountant):
     problem: Problem
     steps_per_frame: int | None = None
     uncertainty: float = field(init=False, default=0.0)
-    """Largest change of the remaining energy by half as many steps, in units of m V**2."""
+    """Largest change of the remaining energy by half as many steps, in units of m V**2, over the frames so far."""
 
-    def __post_init__(self) -> None:
-        self._followers: list[_Follower] = []
-        self._last: Trajectory | None = None
+    def counted(self, blocks: Iterable[Trajectory]) -> Iterator[Trajectory]:
+        """Consecutive frames of a run, from its first on, with their exchange.
 
-    def of(self, block: Trajectory) -> Trajectory:
-        """The next frames, with their exchange."""
-        if not self._followers:
-            steps = self.steps_per_frame or engine.default_steps_per_frame(self.problem)
-            self._followers = [_Follower(self.problem, count) for count in (steps, max(1, steps // 2))]
-        both = block if self._last is None else joined([self._last, block])
-        self._last = block[-1:]
-        fine, coarse = (follower.along(both)[both.frames - block.frames :] for follower in self._followers)
-        apart = (fine - coarse) @ _LEFT
-        self.uncertainty = float(np.maximum(self.uncertainty, np.max(np.abs(apart))))
-        return replace(block, exchange=fine)
+        Frames that have it already, do not hold all beads, or exchange nothing stay as they are.
+        """
+        self.uncertainty = 0.0
+        if not (self.problem.rows.complete and physics.exchanges(self.problem.system)):
+            yield from blocks
+            return
+        steps = self.steps_per_frame or engine.default_steps_per_frame(self.problem)
+        followers = [_Follower(self.problem, count) for count in (steps, max(1, steps // 2))]
+        before: list[Trajectory] = []
+        for block in blocks:
+            if block.exchange is not None:
+                yield block
+                continue
+            both = joined([*before, block])
+            with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
+                fine, coarse = (follower.along(both)[both.frames - block.frames :] for follower in followers)
+                apart = (fine - coarse) @ _LEFT
+            self.uncertainty = float(np.maximum(self.uncertainty, np.max(np.abs(apart))))
+            before = [block[-1:]]
+            yield replace(block, exchange=fine)
 
 
 _LEFT = np.where(np.array(EXCHANGES) == "energy_input", 1.0, -1.0)

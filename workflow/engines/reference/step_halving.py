@@ -1,15 +1,18 @@
 """Uncertainty of the reference: the same problem at half the number of steps."""
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from analysis.compare.common_times import on_common_rows, velocity_error
+from analysis.compare.common_times import on_common_rows, paired_parts, velocity_error
 from analysis.compare.difference import Uncertainty, matched
-from analysis.conservation import Conservation
-from analysis.tracking.leading_waves import leading_finder, leading_passages
+from analysis.conservation import ConservationMeter
+from analysis.meters import Part
+from analysis.tracking.leading_waves import leading_meter, leading_passages
 from analysis.tracking.peaks import sharp
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
@@ -48,12 +51,8 @@ class StepHalving:
         self.problem = problem
         self.steps_per_frame = steps + steps % 2
         self._velocity_only = velocity_only
-        self._begin()
-
-    def _begin(self) -> None:
-        self._velocity = 0.0
-        self._finders = (leading_finder(self.problem), leading_finder(self.problem))
-        self._conservation = Conservation()
+        self._leading, self._conserved = leading_meter(problem), ConservationMeter(problem)
+        self._pieces: list[tuple[Any, ...]] = []
 
     def blocks(self) -> Iterator[Trajectory]:
         """The finer run's frames from the start; the uncertainty is about those that were taken.
@@ -61,24 +60,34 @@ class StepHalving:
         Raises:
             RunError: velocities of one of the runs are not finite.
         """
-        self._begin()
+        self._pieces = []
         rows = compared_rows(self.problem)
         runs = (
             engine.blocks(self.problem, steps_per_frame=steps, rows=rows)
             for steps in (self.steps_per_frame, self.steps_per_frame // 2)
         )
-        for blocks in zip(*runs, strict=True):
-            fine, coarse = on_common_rows(*blocks)
-            with np.errstate(invalid="ignore"):
-                difference = velocity_error(fine, coarse)
-            if not math.isfinite(difference):
-                raise RunError(_not_finite(fine, coarse))
-            self._velocity = max(self._velocity, difference)
-            if not self._velocity_only:
-                for finder, block in zip(self._finders, (fine, coarse), strict=True):
-                    finder.add(block)
-                self._conservation.add(fine)
-            yield fine
+        pairs = itertools.starmap(on_common_rows, zip(*runs, strict=True))
+        for fine, coarse in paired_parts(pairs):
+            self._pieces.append(self._of_parts(fine, coarse))
+            yield fine.frames
+
+    def _of_parts(self, fine: Part, coarse: Part) -> tuple[Any, ...]:
+        """Largest difference of the velocities in parts of both runs, and what the other bounds follow from.
+
+        Raises:
+            RunError: velocities of one of the runs are not finite.
+        """
+        with np.errstate(invalid="ignore"):
+            difference = velocity_error(fine.frames, coarse.frames)
+        if not math.isfinite(difference):
+            raise RunError(_not_finite(fine.frames, coarse.frames))
+        if self._velocity_only:
+            return (difference,)
+        peaks = (
+            self._leading.of_part(part, earlier=[piece[2 + run] for piece in self._pieces])
+            for run, part in enumerate((fine, coarse))
+        )
+        return difference, self._conserved.of_part(fine), *peaks
 
     def run(self) -> Uncertainty:
         """Take all blocks; bounds on their errors."""
@@ -89,18 +98,22 @@ class StepHalving:
     @property
     def uncertainty(self) -> Uncertainty:
         """Bounds on the errors of the blocks that were taken."""
+        differences, *others = (list(of_parts) for of_parts in zip(*self._pieces, strict=True))
+        velocity = SAFETY * max(differences)
         if self._velocity_only:
             unknown = dict.fromkeys(("arrival", "energy", "momentum"), math.nan)
-            return Uncertainty(self.steps_per_frame, SAFETY * self._velocity, **unknown)
-        fine, coarse = (leading_passages(finder.result(), self.problem).first() for finder in self._finders)
+            return Uncertainty(self.steps_per_frame, velocity, **unknown)
+        drifts, *brackets = others
+        conservation = self._conserved.result(drifts)
+        fine, coarse = (leading_passages(self._leading.result(of_run), self.problem).first() for of_run in brackets)
         fine, coarse = matched(fine, coarse, self.problem.beads)
         arrival = float(np.max(np.abs(fine.time - coarse.time)[sharp(fine)], initial=0.0))
         return Uncertainty(
             steps_per_frame=self.steps_per_frame,
-            velocity=SAFETY * self._velocity,
+            velocity=velocity,
             arrival=SAFETY * arrival,
-            energy=self._conservation.energy_drift,
-            momentum=self._conservation.momentum_drift,
+            energy=conservation.energy_drift,
+            momentum=conservation.momentum_drift,
         )
 
 

@@ -13,7 +13,7 @@ Examples:
 from collections.abc import Iterable
 
 from analysis.gauges.gauge import gauges
-from analysis.trajectory import Trajectory, watch
+from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
 from workflow.measures.forces.force_meter import ForceMeter
 from workflow.measures.forces.readings import Readings as Readings
@@ -30,4 +30,4 @@ def read(
         contacts: numbers of contacts.
         wall: whether walls have gauges, too.
     """
-    return watch(ForceMeter(problem, gauges(problem.system, wall=wall, contacts=contacts)), blocks).result()
+    return ForceMeter(problem, gauges(problem.system, wall=wall, contacts=contacts)).read(blocks)

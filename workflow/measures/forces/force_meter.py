@@ -15,11 +15,13 @@ uncertain is not stated.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from analysis import hermite
+from analysis.columns import Columns, together
 from analysis.gauges.gauge import (
     PULSE,
     ContactCurve,
@@ -30,7 +32,8 @@ from analysis.gauges.gauge import (
     excursion,
     maximum,
 )
-from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined
+from analysis.meters import Meter, Part
+from analysis.trajectory import Flags, Floats, Integers, Trajectory
 from lammps_inputs import Problem
 from workflow.measures.forces.readings import Readings
 
@@ -48,8 +51,8 @@ with hardly any force.
 """
 
 NEARLY = 0.01
-"""Share of the largest force that a panel's ends may be below it for the largest to be looked for in it: forces are
-round enough for a panel to hide 0.2%.
+"""Share of the largest force above the static one that a panel's ends may be below it for the largest to be looked for
+in it: forces are round enough for a panel to hide 0.2%.
 """
 
 HIDDEN = 0.002
@@ -68,20 +71,64 @@ MOST_ENTRIES = 4000
 """Stretches from frame to frame that are looked at together."""
 
 
-class _Changes(NamedTuple):
+@dataclass(frozen=True)
+class _Changes(Columns):
     """Moments at which contacts close or open, each [change].
 
     Attributes:
         chain: number of the chain, from 0.
+        place: position of the gauge.
         time: time of the change, in units of T.
         closes: whether the contact closes.
         rate: size of the rate of the strain then, in units of L / T.
     """
 
     chain: Integers
+    place: Integers
     time: Floats
     closes: Flags
     rate: Floats
+
+
+@dataclass(frozen=True)
+class _Values(Columns):
+    """Forces that may be the largest, each [value].
+
+    Attributes:
+        chain: number of the chain, from 0.
+        place: position of the gauge.
+        time: time of the value, in units of T.
+        force: the force, in units of m V / T.
+    """
+
+    chain: Integers
+    place: Integers
+    time: Floats
+    force: Floats
+
+
+class PartReadings(NamedTuple):
+    """What gauges read in a part of a run.
+
+    Attributes:
+        time: [frame] in units of T.
+        force: [frame, chain, gauge] at the frames.
+        left_out: [0 or 1, frame, chain, gauge] differences of strain and force at frames that polynomials leave out;
+            of all frames but the first and the last of the run.
+        closed: [chain, gauge] whether the contact is closed at the first frame.
+        between: [0 to 3, interval, chain, gauge] largest of the forces at borders of panels from a frame to the next,
+            integral of the force above the static one, its uncertainty by the Gauss rules, integral of its size.
+        values: forces that may be the largest.
+        changes: moments at which contacts close or open.
+    """
+
+    time: Floats
+    force: Floats
+    left_out: Floats
+    closed: Flags
+    between: Floats
+    values: _Values
+    changes: _Changes
 
 
 @dataclass(frozen=True)
@@ -90,113 +137,322 @@ class _Dwells:
 
     Attributes:
         duration: of the contact, so far where it has not ended; 0 where the force never exceeds the static one.
-        error: uncertainty of the duration.
-        earliest, latest: time before and after which the force belongs to another contact.
+        error: uncertainty of the duration: of its ends, and where the force may have been largest in others, of these.
         ended: whether the contact has ended by the last frame.
         contacts: how often the contact has closed.
     """
 
     duration: Floats
     error: Floats
-    earliest: Floats
-    latest: Floats
     ended: Flags
     contacts: Integers
 
 
+class _Contact(NamedTuple):
+    """A contact, or time above the static force: start and end in units of T, and the uncertainty of their difference.
+
+    The force belongs to another contact before ``earliest`` and after ``latest``.
+    """
+
+    start: float
+    end: float
+    error: float
+    earliest: float
+    latest: float
+
+
 @dataclass(frozen=True)
-class _Frames:
-    """Forces at frames, and what polynomials between frames are off by; each array but time [frame, chain, gauge].
+class _Forces:
+    """Forces of a run at frames, and what is known of them between frames.
 
     Attributes:
-        time: [frame].
-        force: at the frames.
-        force_error: uncertainty of the force around each frame.
-        strain_error: uncertainty of the strain around each frame.
+        time: [frame] in units of T.
+        force: [frame, chain, gauge] at the frames.
+        force_error, strain_error: [frame, chain, gauge] uncertainties of force and strain around each frame.
+        top: [interval, chain, gauge] largest of the forces at borders of panels from a frame to the next.
+        changes: moments at which contacts close or open.
+        closed: [chain, gauge] whether the contact is closed at the first frame.
+        largest, at: [chain, gauge] largest force, and its time.
+        static: [chain, gauge] force at rest.
     """
 
     time: Floats
     force: Floats
     force_error: Floats
     strain_error: Floats
+    top: Floats
+    changes: _Changes
+    closed: Flags
+    largest: Floats
+    at: Floats
+    static: Floats
 
     def around(self, errors: Floats, time: float) -> float:
         """Larger one of errors, [frame], at the two frames around a time."""
         second = int(np.clip(np.searchsorted(self.time, time), 1, len(self.time) - 1))
         return float(np.max(errors[second - 1 : second + 1]))
 
+    @property
+    def risen(self) -> Flags:
+        """Whether the force has exceeded the static one by more than the numerical noise, [chain, gauge]."""
+        return np.asarray(self.largest - self.static > CLOSED * np.maximum(1.0, self.static))
 
-class ForceMeter:
-    """Reads gauges in a run that is given piece by piece; holds two frames and the numbers of the gauges."""
+    def largest_errors(self) -> tuple[Floats, Floats]:
+        """Uncertainties of the largest forces and of their times, each [chain, gauge]."""
+        error, late = np.full(self.largest.shape, np.inf), np.full(self.largest.shape, np.inf)
+        if len(self.time) > 2:
+            for chain, place in np.ndindex(*self.largest.shape):
+                error[chain, place], late[chain, place] = self._largest_error(chain, place)
+        return error, late
 
-    def __init__(self, problem: Problem, gauges: tuple[Gauge, ...]) -> None:
-        self.problem = problem
-        self.gauges = gauges
-        shape = (problem.chains, len(gauges))
-        self._time: list[Floats] = []
-        self._force: list[Floats] = []
-        self._residuals: list[Floats] = []
-        """Differences of strain and force at frames that polynomials leave out, [0 or 1, frame, chain, gauge]."""
-        self._static = np.stack([gauge.static for gauge in gauges], axis=-1)
-        self._largest, self._at = np.full(shape, -np.inf), np.full(shape, np.nan)
-        self._impulse, self._quadrature, self._size = np.zeros((3, *shape))
-        self._closed = np.zeros(shape, dtype=bool)
-        self._changes: list[list[_Changes]] = [[] for _ in gauges]
-        self._tops: list[list[Floats]] = [[] for _ in gauges]
-        """Largest of the values at borders of each stretch, [interval, chain], by gauge and block."""
-        self._carried: Trajectory | None = None
+    def _largest_error(self, chain: int, place: int) -> tuple[float, float]:
+        """Uncertainties of the largest force of one chain and gauge, both by position, and of its time."""
+        at, spacing = float(self.at[chain, place]), float(self.time[1] - self.time[0])
+        possible, errors = self._possible(chain, place)
+        error = float(np.max(errors[possible], initial=self.around(self.force_error[:, chain, place], at)))
+        # about its maximum the force is a parabola
+        middle = int(np.clip(round((at - self.time[0]) / spacing), 1, len(self.time) - 2))
+        bend = -float(np.diff(self.force[middle - 1 : middle + 2, chain, place], 2)[0])
+        width = spacing * min(np.sqrt(4.0 * error / bend), 1.0) if bend > 0.0 else spacing
+        distance = np.abs(self._middles - at) + 0.5 * spacing
+        other_peaks = distance[possible & self._peaks(chain, place) & (distance > 2.0 * spacing)]
+        return error, float(np.max(other_peaks, initial=width))
 
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames, evenly spaced in time with those before."""
-        force = at_frames(block, self.gauges)
-        first = np.argmax(force, axis=0)
-        largest = np.max(force, axis=0)
-        self._at = np.where(largest > self._largest, block.time[first], self._at)
-        self._largest = np.maximum(self._largest, largest)
-        self._time.append(block.time.copy())
-        self._force.append(force)
-        before = 0
-        if self._carried is not None:
-            before = self._carried.frames
-            block = joined([self._carried, block])
-        else:
-            self._closed = at_frames(block[:1], self.gauges, dashpots=False)[0] > CLOSED
-        self._residuals.append(np.stack([left_out(block, gauge) for gauge in self.gauges], axis=-1))
-        step = max(1, MOST_ENTRIES // self.problem.chains)
-        for start in range(max(0, before - 1), block.frames - 1, step):
-            part = block[start : start + step + 1]
-            for place, gauge in enumerate(self.gauges):
-                self._read(part, place, gauge)
-        self._carried = block.last(2)
+    def _possible(self, chain: int, place: int) -> tuple[Flags, Floats]:
+        """Whether the largest force may lie from a frame to the next, and its uncertainty there, each [interval]."""
+        errors = self.force_error[:, chain, place]
+        between, largest = np.maximum(errors[:-1], errors[1:]), float(self.largest[chain, place])
+        nearest = self.around(errors, float(self.at[chain, place]))
+        margin = nearest + HIDDEN * abs(largest - self.static[chain, place])
+        return self.top[:, chain, place] + between >= largest - margin, between
 
-    def result(self) -> Readings:
-        """Readings of the frames so far.
+    def _peaks(self, chain: int, place: int) -> Flags:
+        """Whether the force is not larger in the intervals on either side, [interval]."""
+        tops = self.top[:, chain, place]
+        neighbours = np.pad(tops, 1, constant_values=-np.inf)
+        return np.asarray((tops >= neighbours[:-2]) & (tops >= neighbours[2:]))
 
-        Raises:
-            ValueError: there was none.
+    @property
+    def _middles(self) -> Floats:
+        """Times halfway from a frame to the next, [interval]."""
+        return 0.5 * (self.time[:-1] + self.time[1:])
+
+    def dwells(self, late: Floats) -> _Dwells:
+        """Contacts in which the force was largest; ``late`` is the uncertainty of its time, [chain, gauge]."""
+        shape = self.largest.shape
+        duration, error, ended = np.zeros(shape), np.zeros(shape), np.zeros(shape, dtype=bool)
+        contacts, risen = np.zeros(shape, dtype=np.int64), self.risen
+        for chain, place in np.ndindex(*shape):
+            moments, at = self._moments(chain, place), float(self.at[chain, place])
+            contacts[chain, place] = len(moments[0])
+            if not risen[chain, place] or contacts[chain, place] == 0:
+                continue
+            contact = self._contact(chain, place, moments, at)
+            duration[chain, place], ended[chain, place] = self._lasted(contact), contact.end <= self.time[-1]
+            alike = [contact]
+            if not (contact.earliest <= at - late[chain, place] and at + late[chain, place] <= contact.latest):
+                peaks = self._middles[self._possible(chain, place)[0] & self._peaks(chain, place)]
+                alike += [self._contact(chain, place, moments, time) for time in peaks.tolist()]
+            errors = [abs(self._lasted(other) - self._lasted(contact)) + other.error for other in alike]
+            error[chain, place] = np.max(errors)
+        return _Dwells(duration, error, ended, contacts)
+
+    def _lasted(self, contact: _Contact) -> float:
+        """Duration of a contact within the record."""
+        return min(contact.end, float(self.time[-1])) - max(contact.start, float(self.time[0]))
+
+    def _contact(self, chain: int, place: int, moments: tuple[Floats, Floats], at: float) -> _Contact:
+        """The contact, or time above the static force, about a time."""
+        closing, opening = moments
+        static = self.static[chain, place]
+        if static > 0.0:
+            above, level = self.force[:, chain, place] - static, PULSE * float(self.largest[chain, place] - static)
+            span = excursion(self.time, above, at, level)
+            return _Contact(*span, _excursion_error(self.time, above, at, level, span), *span)
+        number = max(int(np.searchsorted(closing[:, 0], at, side="right")) - 1, 0)
+        (start, early), (end, late) = closing[number].tolist(), opening[number].tolist()
+        earliest = float(opening[number - 1, 0]) if number > 0 else -np.inf
+        latest = float(closing[number + 1, 0]) if number + 1 < len(closing) else np.inf
+        return _Contact(start, end, early + late, earliest, latest)
+
+    def _moments(self, chain: int, place: int) -> tuple[Floats, Floats]:
+        """Times at which a contact closes and opens, ascending, and their uncertainties, each [change, 0 or 1].
+
+        It opens at infinity where that was not seen.
         """
-        if not self._time:
-            raise ValueError("no frames to read forces from")
-        frames = self._frames()
-        excess = np.max(np.abs(frames.force - self._static), axis=0)
-        excess = np.maximum(excess, np.abs(self._largest - self._static))
-        largest_error, at_error = self._largest_errors(frames)
+        closing = [(float(self.time[0]), 0.0)] if self.closed[chain, place] else []
+        opening: list[tuple[float, float]] = []
+        changes = self.changes.where((self.changes.chain == chain) & (self.changes.place == place))
+        for time, closes, rate in zip(changes.time.tolist(), changes.closes, changes.rate.tolist(), strict=True):
+            off = self.around(self.strain_error[:, chain, place], time)
+            (closing if closes else opening).append((time, off / rate if rate > 0.0 else np.inf))
+        return np.array(sorted(closing)).reshape(-1, 2), np.array([*sorted(opening), (np.inf, 0.0)])
+
+
+@dataclass(frozen=True)
+class _Stretches:
+    """Force of one gauge from frame to frame, [stretch]: those of all chains between two frames, and the next two.
+
+    Attributes:
+        gauge: the gauge.
+        place: its position.
+        curves: forces of its contacts.
+        start: [stretch] time of the first frame, in units of T.
+        spacing: time between frames, in units of T.
+    """
+
+    gauge: Gauge
+    place: int
+    curves: list[ContactCurve]
+    start: Floats
+    spacing: float
+
+    @property
+    def chain(self) -> Integers:
+        """[stretch] number of the chain, from 0."""
+        return self.curves[0].chain
+
+    @property
+    def border(self) -> Floats:
+        """[border] from 0 to 1."""
+        return borders(self.spacing)
+
+    @cached_property
+    def moving(self) -> Integers:
+        """Positions of the stretches in which anything moves, [moving]."""
+        return np.flatnonzero(np.any([np.any(curve.polynomial != 0.0, axis=0) for curve in self.curves], axis=0))
+
+    @cached_property
+    def forces(self) -> Floats:
+        """Forces at borders of panels, [border, stretch]."""
+        return self._at_borders(lambda curve, s: curve(s))
+
+    @cached_property
+    def elastic(self) -> Floats:
+        """Forces without those of dashpots, [border, stretch]."""
+        return self._at_borders(lambda curve, s: curve.elastic(s)) if self.gauge.damped else self.forces
+
+    def _at_borders(self, force: Callable[[ContactCurve, Floats], Floats]) -> Floats:
+        forces = np.tile(self.gauge.static[self.chain], (len(self.border), 1))
+        forces[:, self.moving] = 0.0
+        for curve in self.curves:
+            single = curve.of(self.moving)
+            at_borders = [force(single, np.full(len(self.moving), s)) for s in self.border]
+            forces[:, self.moving] += np.stack(at_borders) / len(self.curves)
+        return forces
+
+    def mean(self, entry: Integers, s: Floats) -> Floats:
+        """Mean force of the contacts at s in chosen stretches, both [entry]."""
+        return np.asarray(sum(curve.of(entry)(s) for curve in self.curves)) / len(self.curves)
+
+    def totals(self) -> Floats:
+        """Largest at borders of panels, and integrals as of `PartReadings`, [0 to 3, stretch]."""
+        chain, moving = self.chain, self.moving
+        impulse, quadrature = np.zeros((2, len(chain)))
+        for curve in self.curves:
+            integral, error = curve.of(moving).integral(self.border)
+            static = curve.probe.static[chain[moving]]
+            impulse[moving] += (integral - static) * self.spacing / len(self.curves)
+            quadrature[moving] += error * self.spacing / len(self.curves)
+        size = np.mean(np.abs(self.forces - self.gauge.static[chain]), axis=0) * self.spacing
+        return np.stack([self.forces.max(axis=0), impulse, quadrature, size])
+
+    def changes(self) -> tuple[_Changes, _Values]:
+        """Moments at which contacts close or open, and forces of dashpots that jump there."""
+        shut, count = self.elastic > CLOSED, len(self.curves)
+        panel, entry = np.nonzero(shut[:-1] != shut[1:])
+        before, changing = shut[panel, entry], [curve.of(entry) for curve in self.curves]
+
+        def closed(s: Floats) -> Flags:
+            """Whether the changing contacts are closed at s, [entry]."""
+            return np.asarray(sum(curve.elastic(s) for curve in changing)) / count > CLOSED
+
+        at = hermite.change(closed, before, self.border[panel], self.border[panel + 1])
+        rate = np.abs(np.sum([curve.rate(at) for curve in changing], axis=0) / count)
+        time = self.start[entry] + at * self.spacing
+        changes = _Changes(self.chain[entry], np.full(len(entry), self.place), time, ~before, rate)
+        # a dashpot's force may jump to its largest where a contact closes
+        jumps = ~before & self.gauge.damped
+        return changes, self._values(entry[jumps], np.minimum(at[jumps] + _JUST, 1.0))
+
+    def nearly_largest(self, so_far: Floats) -> _Values:
+        """Maxima between frames where borders are nearly the largest, or what is already known, [chain]."""
+        values = self.forces.max(axis=0).reshape(-1, len(so_far))
+        largest = np.maximum(values.max(axis=0), so_far)
+        above = np.abs(largest - self.gauge.static)
+        entry = np.flatnonzero(values > largest - NEARLY * above)
+        top = np.argmax(self.forces[:, entry], axis=0)
+        low, high = self.border[np.maximum(top - 1, 0)], self.border[np.minimum(top + 1, len(self.border) - 1)]
+        return self._values(entry, maximum(lambda s: self.mean(entry, s), low, high))
+
+    def _values(self, entry: Integers, s: Floats) -> _Values:
+        """Forces at s in chosen stretches, both [entry]."""
+        place, time = np.full(len(entry), self.place), self.start[entry] + s * self.spacing
+        return _Values(self.chain[entry], place, time, self.mean(entry, s))
+
+
+@dataclass(frozen=True)
+class ForceMeter(Meter[PartReadings, Readings]):
+    """Readings of gauges.
+
+    Attributes:
+        problem: what was run.
+        gauges: the gauges.
+    """
+
+    problem: Problem
+    gauges: tuple[Gauge, ...]
+
+    def of_part(self, part: Part) -> PartReadings:
+        """What the gauges read at the frames of a part, and from each to the next."""
+        before = min(part.before, 1)
+        block = part.around[part.before - before : part.before + part.count + 1]
+        every_force = at_frames(block, self.gauges)
+        time, force = (values[before : before + part.count].copy() for values in (block.time, every_force))
+        highest = np.max(force, axis=0)
+        chain, place = (index.ravel() for index in np.indices(highest.shape))
+        values = [_Values(chain, place, time[np.argmax(force, axis=0)].ravel(), highest.ravel())]
+        changes = [_Changes(chain[:0], place[:0], time[:0], time[:0] > 0.0, time[:0])]
+        intervals, step = block.frames - 1 - before, max(1, MOST_ENTRIES // self.problem.chains)
+        between = np.zeros((4, intervals, *highest.shape))
+        off = np.zeros((2, max(0, block.frames - 2), *highest.shape))
+        for number, gauge in enumerate(self.gauges):
+            contacts = [ContactFrames.of(block, probe) for probe in gauge.probes]
+            off[..., number] = _left_out(gauge, contacts, every_force[..., number], block)
+            for start in range(0, intervals, step):
+                frames = slice(before + start, before + start + step + 1)
+                stretches = _stretches(gauge, number, contacts, block, frames)
+                between[:, start : start + step, :, number] = stretches.totals().reshape(4, -1, len(highest))
+                changed, jumps = stretches.changes()
+                changes.append(changed)
+                so_far = highest[:, number].copy()
+                np.maximum.at(so_far, jumps.chain, jumps.force)
+                values += [jumps, stretches.nearly_largest(so_far)]
+        closed = at_frames(part.frames[:1], self.gauges, dashpots=False)[0] > CLOSED
+        return PartReadings(time, force, off, closed, between, together(values), together(changes))
+
+    def result(self, pieces: list[PartReadings]) -> Readings:
+        """Readings of all frames."""
+        forces = self._joined(pieces)
+        impulse, quadrature, size = _in_order([piece.between[1:] for piece in pieces])
+        excess = np.max(np.abs(forces.force - forces.static), axis=0)
+        excess = np.maximum(excess, np.abs(forces.largest - forces.static))
+        largest_error, at_error = forces.largest_errors()
         stated = largest_error <= np.maximum(LARGEST_UNCERTAINTY * excess, FAINT)
-        risen = stated & self._risen()
-        spacing = self.problem.every if len(frames.time) < 2 else float(frames.time[1] - frames.time[0])
-        impulse_error = spacing * np.sum(frames.force_error, axis=0) + self._quadrature
-        certain = impulse_error <= np.maximum(LARGEST_UNCERTAINTY * self._size, FAINT)
-        dwells = self._dwells(frames)
-        same_contact = (dwells.earliest <= self._at - at_error) & (self._at + at_error <= dwells.latest) | ~risen
-        lasting = stated & same_contact & (dwells.error <= LARGEST_UNCERTAINTY * dwells.duration)
+        risen = stated & forces.risen
+        spacing = self.problem.every if len(forces.time) < 2 else float(forces.time[1] - forces.time[0])
+        impulse_error = spacing * np.sum(forces.force_error, axis=0) + quadrature
+        certain = impulse_error <= np.maximum(LARGEST_UNCERTAINTY * size, FAINT)
+        dwells = forces.dwells(at_error)
+        lasting = stated & (dwells.error <= LARGEST_UNCERTAINTY * dwells.duration)
         return Readings(
             gauges=self.gauges,
-            time=frames.time,
-            force=frames.force,
-            static=self._static,
-            largest=np.where(stated, self._largest, np.nan),
-            at=np.where(risen, self._at, np.nan),
-            impulse=np.where(certain, self._impulse, np.nan),
+            time=forces.time,
+            force=forces.force,
+            static=forces.static,
+            largest=np.where(stated, forces.largest, np.nan),
+            at=np.where(risen, forces.at, np.nan),
+            impulse=np.where(certain, impulse, np.nan),
             dwell=np.where(lasting, dwells.duration, np.nan),
             largest_error=np.where(stated, largest_error, np.nan),
             at_error=np.where(risen, at_error, np.nan),
@@ -206,206 +462,77 @@ class ForceMeter:
             contacts=dwells.contacts,
         )
 
-    def _frames(self) -> _Frames:
-        """All frames, with uncertainties around the first and the last frame as around those beside them."""
-        time, force = np.concatenate(self._time), np.concatenate(self._force)
-        residuals = np.concatenate(self._residuals, axis=1)
-        if residuals.shape[1] == 0:
-            unknown = np.full(force.shape, np.inf)
-            return _Frames(time, force, unknown, unknown)
-        strain, size = np.pad(HALF_AS_FAR * residuals, ((0, 0), (1, 1), (0, 0), (0, 0)), mode="edge")
-        return _Frames(time, force, size, strain)
-
-    def _risen(self) -> Flags:
-        """Whether the force has exceeded the static one by more than the numerical noise, [chain, gauge]."""
-        return np.asarray(self._largest - self._static > CLOSED * np.maximum(1.0, self._static))
-
-    def _largest_errors(self, frames: _Frames) -> tuple[Floats, Floats]:
-        """Uncertainties of the largest forces and of their times, each [chain, gauge]."""
-        error, late = np.full(self._largest.shape, np.inf), np.full(self._largest.shape, np.inf)
-        if len(frames.time) < 3:
-            return error, late
-        for place, blocks in enumerate(self._tops):
-            tops = np.concatenate(blocks)
-            for chain in range(self.problem.chains):
-                error[chain, place], late[chain, place] = self._largest_error(frames, tops[:, chain], chain, place)
-        return error, late
-
-    def _largest_error(self, frames: _Frames, tops: Floats, chain: int, place: int) -> tuple[float, float]:
-        """Uncertainties of the largest force of one gauge and chain, and of its time.
-
-        Args:
-            frames: all of them.
-            tops: [interval] largest of the values at borders between two frames.
-            chain: number of the chain, from 0.
-            place: position of the gauge.
-        """
-        at, largest = float(self._at[chain, place]), float(self._largest[chain, place])
-        spacing, errors = float(frames.time[1] - frames.time[0]), frames.force_error[:, chain, place]
-        between = np.maximum(errors[:-1], errors[1:])
-        nearest = frames.around(errors, at)
-        margin = nearest + HIDDEN * abs(largest - self._static[chain, place])
-        possible = tops + between >= largest - margin
-        error = float(np.max(between[possible], initial=nearest))
-        # about its maximum the force is a parabola
-        middle = int(np.clip(round((at - frames.time[0]) / spacing), 1, len(frames.time) - 2))
-        bend = -float(np.diff(frames.force[middle - 1 : middle + 2, chain, place], 2)[0])
-        width = spacing * min(np.sqrt(4.0 * error / bend), 1.0) if bend > 0.0 else spacing
-        neighbours = np.pad(tops, 1, constant_values=-np.inf)
-        peaks = possible & (tops >= neighbours[:-2]) & (tops >= neighbours[2:])
-        distance = np.abs(frames.time[:-1] + 0.5 * spacing - at) + 0.5 * spacing
-        other_peaks = distance[peaks & (distance > 2.0 * spacing)]
-        return error, float(np.max(other_peaks, initial=width))
-
-    def _dwells(self, frames: _Frames) -> _Dwells:
-        """Contacts in which the force was largest."""
-        shape = self._largest.shape
-        start, end, error = np.full(shape, np.nan), np.full(shape, np.nan), np.zeros(shape)
-        earliest, latest = np.full(shape, -np.inf), np.full(shape, np.inf)
-        contacts, risen, time = np.zeros(shape, dtype=np.int64), self._risen(), frames.time
-        for chain, place in np.ndindex(*shape):
-            strain_error = frames.strain_error[:, chain, place]
-            closing, opening = self._moments(chain, place, frames, strain_error)
-            contacts[chain, place] = len(closing)
-            if not risen[chain, place] or len(closing) == 0:
-                continue
-            at, static = float(self._at[chain, place]), self._static[chain, place]
-            number = max(int(np.searchsorted(closing[:, 0], at, side="right")) - 1, 0)
-            first, last = closing[number], opening[number]
-            start[chain, place], end[chain, place], error[chain, place] = first[0], last[0], first[1] + last[1]
-            if number > 0:
-                earliest[chain, place] = opening[number - 1][0]
-            if number + 1 < len(closing):
-                latest[chain, place] = closing[number + 1][0]
-            if static > 0.0:
-                above = frames.force[:, chain, place] - static
-                level = PULSE * float(self._largest[chain, place] - static)
-                span = excursion(time, above, at, level)
-                start[chain, place], end[chain, place] = earliest[chain, place], latest[chain, place] = span
-                error[chain, place] = _excursion_error(time, above, at, level, span)
-        duration = np.where(risen & (contacts > 0), np.minimum(end, time[-1]) - np.maximum(start, time[0]), 0.0)
-        return _Dwells(duration, error, earliest, latest, end <= time[-1], contacts)
-
-    def _moments(self, chain: int, place: int, frames: _Frames, strain_error: Floats) -> tuple[Floats, Floats]:
-        """Times at which a contact closes and opens, ascending, and their uncertainties, each [change, 0 or 1].
-
-        It opens at infinity where that was not seen.
-        """
-        closing = [(float(frames.time[0]), 0.0)] if self._closed[chain, place] else []
-        opening: list[tuple[float, float]] = []
-        for changes in self._changes[place]:
-            for entry in np.flatnonzero(changes.chain == chain):
-                time, rate = float(changes.time[entry]), float(changes.rate[entry])
-                off = frames.around(strain_error, time)
-                moment = (time, off / rate if rate > 0.0 else np.inf)
-                (closing if changes.closes[entry] else opening).append(moment)
-        return np.array(sorted(closing)).reshape(-1, 2), np.array([*sorted(opening), (np.inf, 0.0)])
-
-    def _read(self, block: Trajectory, place: int, gauge: Gauge) -> None:
-        """Take in what one gauge reads from the first frame of a block to its last."""
-        spacing, chains = block.spacing, np.arange(self.problem.chains)
-        curves = [
-            ContactCurve.between(probe, ContactFrames.of(block, probe), chains, spacing) for probe in gauge.probes
-        ]
-        chain = curves[0].chain
-        moving = np.flatnonzero(np.any([np.any(curve.polynomial != 0.0, axis=0) for curve in curves], axis=0))
-        border = borders(spacing)
-        static = gauge.static[chain]
-        forces = np.tile(static, (len(border), 1))
-        forces[:, moving] = 0.0
-        pressing = forces.copy() if gauge.damped else forces
-        impulse, quadrature = np.zeros((2, len(chain)))
-        for curve in curves:
-            single = curve.of(moving)
-            at_borders = [np.full(len(moving), s) for s in border]
-            forces[:, moving] += np.stack([single(s) for s in at_borders]) / len(curves)
-            if gauge.damped:
-                pressing[:, moving] += np.stack([single.elastic(s) for s in at_borders]) / len(curves)
-            integral, error = single.integral(border)
-            impulse[moving] += (integral - curve.probe.static[chain[moving]]) * spacing / len(curves)
-            quadrature[moving] += error * spacing / len(curves)
-        # term by term: the order must not depend on how many there are at once
-        np.add.at(self._impulse[:, place], chain, impulse)
-        np.add.at(self._quadrature[:, place], chain, quadrature)
-
-        def mean(entry: Integers, s: Floats) -> Floats:
-            """Mean force of the contacts at s in chosen stretches, both [entry]."""
-            return np.asarray(sum(curve.of(entry)(s) for curve in curves)) / len(curves)
-
-        shut = pressing > CLOSED
-        panel, entry = np.nonzero(shut[:-1] != shut[1:])
-        before, changing = shut[panel, entry], [curve.of(entry) for curve in curves]
-
-        def closed(s: Floats) -> Flags:
-            """Whether the changing contacts are closed at s, [entry]."""
-            return np.asarray(sum(curve.elastic(s) for curve in changing)) / len(curves) > CLOSED
-
-        at = hermite.change(closed, before, border[panel], border[panel + 1])
-        start = np.repeat(block.time[:-1], self.problem.chains)[entry]
-        rate = np.sum([curve.of(entry).rate(at) for curve in curves], axis=0) / len(curves)
-        self._changes[place].append(_Changes(entry % self.problem.chains, start + at * spacing, ~before, np.abs(rate)))
-        if gauge.damped:  # a dashpot's force may jump to its largest where a contact closes
-            entry, after = entry[~before], np.minimum(at[~before] + _JUST, 1.0)
-            self._take_values(place, entry, start[~before] + after * spacing, mean(entry, after))
-        np.add.at(self._size[:, place], chain, np.mean(np.abs(forces - static), axis=0) * spacing)
-        self._take_largest(place, block, forces.reshape(len(border), -1, self.problem.chains), border, mean)
-
-    def _take_values(self, place: int, entry: Integers, time: Floats, value: Floats) -> None:
-        """Take values at times for the largest, where they are larger than those so far."""
-        chain = entry % self.problem.chains
-        for k in np.argsort(value):
-            if value[k] > self._largest[chain[k], place]:
-                self._largest[chain[k], place] = value[k]
-                self._at[chain[k], place] = time[k]
-
-    def _take_largest(
-        self,
-        place: int,
-        block: Trajectory,
-        forces: Floats,
-        border: Floats,
-        mean: Callable[[Integers, Floats], Floats],
-    ) -> None:
-        """Refine what is nearly the largest of the values at borders, [border, interval, chain]."""
-        value = forces.max(axis=0)
-        self._tops[place].append(value)
-        largest = np.maximum(value.max(axis=0), self._largest[:, place])
-        interval, chain = np.nonzero(value > largest - NEARLY * np.abs(largest))
-        top = np.argmax(forces[:, interval, chain], axis=0)
-        low, high = border[np.maximum(top - 1, 0)], border[np.minimum(top + 1, len(border) - 1)]
-        entry = interval * forces.shape[2] + chain
-        at = maximum(lambda s: mean(entry, s), low, high)
-        self._take_values(place, entry, block.time[interval] + at * block.spacing, mean(entry, at))
+    def _joined(self, pieces: list[PartReadings]) -> _Forces:
+        """Forces of all parts; uncertainties around the first and the last frame are those around the frame beside."""
+        time, force = (np.concatenate(values) for values in list(zip(*pieces, strict=True))[:2])
+        off = np.concatenate([piece.left_out for piece in pieces], axis=1)
+        if off.shape[1]:
+            strain_error, force_error = np.pad(HALF_AS_FAR * off, ((0, 0), (1, 1), (0, 0), (0, 0)), mode="edge")
+        else:
+            strain_error = force_error = np.full(force.shape, np.inf)
+        values = together([piece.values for piece in pieces])
+        values = values.where(np.lexsort((-values.time, values.force)))
+        largest, at = np.empty((2, *force.shape[1:]))
+        largest[values.chain, values.place], at[values.chain, values.place] = values.force, values.time  # the last stay
+        return _Forces(
+            time,
+            force,
+            force_error,
+            strain_error,
+            np.concatenate([piece.between[0] for piece in pieces]),
+            together([piece.changes for piece in pieces]),
+            pieces[0].closed,
+            largest,
+            at,
+            np.stack([gauge.static for gauge in self.gauges], axis=-1),
+        )
 
 
-def left_out(block: Trajectory, gauge: Gauge) -> Floats:
+def _in_order(parts: list[Floats]) -> Floats:
+    """Sums over intervals, [quantity, ...] from [quantity, interval, ...], one by one: wherever parts begin."""
+    total = np.zeros_like(parts[0][:, :1])
+    for part in parts:
+        total = np.add.accumulate(np.concatenate([total, part], axis=1), axis=1)[:, -1:]
+    return total[:, 0]
+
+
+def _stretches(gauge: Gauge, place: int, contacts: list[ContactFrames], block: Trajectory, frames: slice) -> _Stretches:
+    """Force of a gauge from some frames of a block to the next, by the frames of its contacts."""
+    chains = np.arange(block.problem.chains)
+    curves = [
+        ContactCurve.between(probe, contact.near(frames, chains), chains, block.spacing)
+        for probe, contact in zip(gauge.probes, contacts, strict=True)
+    ]
+    return _Stretches(gauge, place, curves, np.repeat(block.time[frames][:-1], len(chains)), block.spacing)
+
+
+def _left_out(gauge: Gauge, contacts: list[ContactFrames], force: Floats, block: Trajectory) -> Floats:
     """Errors at each frame of polynomials from the frame before to the frame after it.
 
     Args:
-        block: evenly spaced frames.
         gauge: the gauge whose force and strain are taken.
+        contacts: frames of its contacts.
+        force: [frame, chain] its force.
+        block: the frames, evenly spaced.
 
     Returns:
         Differences of the strain, the largest of any contact, and of the force from those at the frame, of all frames
         but the first and the last, [0 or 1, frame, chain].
     """
-    chains = np.arange(block.problem.chains)
-    difference = np.zeros((2, max(0, block.frames - 2), len(chains)))
-    exact = at_frames(block, (gauge,))[..., 0]
-    for first in (0, 1):
-        part = block[first::2]
-        if part.frames < 2:
-            continue
-        force = np.zeros((part.frames - 1) * len(chains))
-        for probe in gauge.probes:
-            curve = ContactCurve.between(probe, ContactFrames.of(part, probe), chains, part.spacing)
-            middle = np.full(len(force), 0.5)
-            force += curve(middle) / len(gauge.probes)
-            between = ContactFrames.of(block, probe).strain[0, first + 1 : block.frames - 1 : 2]
-            off = np.abs(hermite.value(curve.polynomial, middle).reshape(between.shape) - between)
+    chains = np.arange(force.shape[1])
+    difference = np.zeros((2, max(0, len(force) - 2), len(chains)))
+    for first in range(min(2, len(force) - 2)):
+        frames = slice(first + 1, len(force) - 1, 2)
+        between = np.zeros_like(force[frames])
+        for probe, contact in zip(gauge.probes, contacts, strict=True):
+            every_second = contact.near(slice(first, None, 2), chains)
+            curve = ContactCurve.between(probe, every_second, chains, 2.0 * block.spacing)
+            middle = np.full(curve.chain.shape, 0.5)
+            between += curve(middle).reshape(between.shape) / len(contacts)
+            strain = contact.strain[0, frames]
+            off = np.abs(hermite.value(curve.polynomial, middle).reshape(strain.shape) - strain)
             difference[0, first::2] = np.maximum(difference[0, first::2], off)
-        between = exact[first + 1 : block.frames - 1 : 2]
-        difference[1, first::2] = np.abs(force.reshape(between.shape) - between)
+        difference[1, first::2] = np.abs(between - force[frames])
     return difference
 
 

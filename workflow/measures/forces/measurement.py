@@ -1,26 +1,24 @@
 """The measure of forces: what `analyze` prints, writes and draws of gauges."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis import quantity
-from analysis.gauges.gauge import PULSE, Gauge, gauges
+from analysis.figures import waves
+from analysis.figures.panels import AxisUnit, Sheet, axis_unit, shown_chains, title
+from analysis.gauges.gauge import PULSE, gauges
 from analysis.sharing.survey import Survey
-from analysis.trajectory import Trajectory
 from lammps_inputs import physics
 from lammps_inputs.facts import Fact
 from workflow.measures.forces.force_meter import ForceMeter
 from workflow.measures.forces.readings import ForceTable, Reading, Readings
 from workflow.measures.forces.reflection import Reflection, reflections
-from workflow.measures.measurement import MOST_CHAINS, Measurement, Meter, Recorded
+from workflow.measures.measurement import MOST_CHAINS, Measurement, Recorded
 from workflow.screen import PrintedTable
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 MOST_GAUGES = 8
 """Gauges that the figure shows."""
@@ -144,93 +142,57 @@ class ForceMeasurement(Measurement):
         """Forces over time."""
         return self.readings.table()
 
-    def draw(self) -> "Figure":
+    def sheet(self) -> Sheet:
         """One row a gauge (the first eight), a line for each chain that other figures show too.
 
-        Left over the whole run, right the passages of its largest pulses, in a narrow figure of the first, their time
-        from the peak.
+        Left over the whole run, right the passages of its largest pulses, their time from the peak.
         """
-        from analysis.figures import style, waves  # matplotlib takes half a second to import
-
         problem, readings = self.problem, self.readings
-        time = style.axis_unit(problem, "time", float(readings.time[-1]))
-        force = style.axis_unit(problem, "force", float(np.max(readings.force)))
-        count, chains = min(len(readings.gauges), MOST_GAUGES), style.shown_chains(problem)
+        force = axis_unit(problem, "force", float(np.max(readings.force)))
+        count = min(len(readings.gauges), MOST_GAUGES)
         size = np.max(np.abs(readings.force - readings.static), axis=1)  # [frame, gauge]
-        spans = [waves.pulses(readings.time, size[:, place]) for place in range(count)]
-        spans = [gauge[:1] for gauge in spans] if style.is_narrow() else spans
-        more = max(map(len, spans))
-        with style.settings():
-            figure = style.new_figure(1.2 + 1.6 * count, 7.0 + 1.5 * max(0, more - 1))
-            ratio = 1.5 if style.is_narrow() else 2.5
-            axes, *close = figure.subplots(
-                count, 1 + more, sharex="col", sharey=True, squeeze=False, width_ratios=(ratio, *[1.0] * more)
-            ).T  # fmt: skip
-            near = max((high - low for gauge in spans for _, low, high in gauge), default=1.0)
-            unit = style.axis_unit(problem, "time", near)
-            for place, axis in enumerate(axes):
-                curves = readings.force[:, chains, place] * force.worth
-                style.draw_chains(axis, chains, readings.time * time.worth, curves)
-                for column, (peak, low, high) in zip(close, spans[place], strict=False):
-                    inside = (readings.time >= low) & (readings.time <= high)
-                    style.draw_chains(
-                        column[place], chains, (readings.time[inside] - peak) * unit.worth, curves[inside]
-                    )
-                    column[place].set_title(waves.time_title(problem, "peak", peak, time), loc="left")
-                for column in close[len(spans[place]) :]:
-                    column[place].remove()
-                largest = f"largest {float(np.max(readings.largest[:, place])) * force.worth:.4g}"
-                if np.isnan(readings.largest[:, place]).any():
-                    largest = "largest unknown between frames"
-                elif readings.loaded:
-                    dynamic = float(np.fmax.reduce(readings.dynamic[:, place])) * force.worth
-                    largest += f", dynamic {dynamic:.4g}" if np.isfinite(dynamic) else ", never above the static force"
-                axis.set_title(readings.gauges[place].name, loc="left")
-                if not style.is_narrow():
-                    axis.set_title(largest, loc="right", fontsize="small", color="0.3")
-            figure.supylabel(
-                f"{'total ' if readings.loaded else ''}{force.label(ForceTable, 'force')}", fontsize="medium"
-            )
-            for label, column in [
-                (time.label(ForceTable, "time"), axes),
-                *((f"time after peak\n({unit.symbol})", column) for column in close),
-            ]:
-                lowest = [axis for axis in column if axis in figure.axes][-1]
-                lowest.set_xlabel(label)
-                lowest.xaxis.set_tick_params(labelbottom=True)
-            left_out = len(readings.gauges) - count
-            rest = f"; {left_out} more gauges are in forces.csv" if left_out else ""
-            style.finish(figure, problem, figure.axes, until=float(readings.time[-1]), note=rest)
-        return figure
+        traces = []
+        for place, gauge in enumerate(readings.gauges[:count]):
+            passages = waves.pulses(readings.time, size[:, place])
+            values = readings.force[:, shown_chains(problem), place] * force.worth
+            traces.append(waves.Trace(gauge.name, values, passages, self._largest(place, force)))
+        left_out = len(readings.gauges) - count
+        rest = f"; {left_out} more gauges are in forces.csv" if left_out else ""
+        heading = title(problem, each_chain=True, until=float(readings.time[-1])) + rest
+        axis = force.axis(ForceTable, "force", "total force" if readings.loaded else "")
+        sheet = waves.traces_sheet(problem, heading, readings.time, axis, traces, ("peak", "time after peak\n"))
+        return replace(sheet, same_y="all")
+
+    def _largest(self, place: int, force: AxisUnit) -> str:
+        """Largest force at a gauge, in a unit, in words."""
+        readings = self.readings
+        if np.isnan(readings.largest[:, place]).any():
+            return "largest unknown between frames"
+        largest = f"largest {float(np.max(readings.largest[:, place])) * force.worth:.4g}"
+        if not readings.loaded:
+            return largest
+        dynamic = float(np.fmax.reduce(readings.dynamic[:, place])) * force.worth
+        return largest + (f", dynamic {dynamic:.4g}" if np.isfinite(dynamic) else ", never above the static force")
 
     @classmethod
-    def meter(cls, run: Recorded) -> "GaugeMeter | None":
+    def meter(cls, run: Recorded) -> ForceMeter | None:
         """Forces at the gauges that the scene names; rigid beads feel none."""
         wanted, system = run.scene.output.forces, run.problem.system
         if wanted is None or not system.holds(Fact.OVERLAPS):
             return None
         places = gauges(system, wall=wanted.wall is True, contacts=wanted.contacts or (), sensors=wanted.sensors or ())
-        return GaugeMeter(run, places)
+        return ForceMeter(run.problem, places)
 
-
-class GaugeMeter(Meter):
-    """Forces at gauges, and what walls reflect."""
-
-    def __init__(self, run: Recorded, places: tuple[Gauge, ...]) -> None:
-        self.run = run
-        self._forces = ForceMeter(run.problem, places)
-
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames."""
-        self._forces.add(block)
-
-    def finish(self, survey: Survey) -> ForceMeasurement:
-        """Forces of all frames, with uncertainties that cover the error of the run."""
-        problem, passed = self.run.problem, (*survey.pulses, *survey.crests)
-        sides = {gauge.side for gauge in self._forces.gauges if gauge.kind == "wall"}
+    @classmethod
+    def of_run(cls, run: Recorded, survey: Survey, measured: Readings | None) -> Self | None:
+        """Forces of all frames, with uncertainties that cover the error of the run, and what walls reflect."""
+        if measured is None:
+            return None
+        problem, passed = run.problem, (*survey.pulses, *survey.crests)
+        sides = {gauge.side for gauge in measured.gauges if gauge.kind == "wall"}
         reflected = {side: reflections(passed, problem, right=side == "right") for side in sides}
-        readings = self._forces.result().with_error(self.run.error, problem)
-        return ForceMeasurement(problem, readings.entries(reflected), readings)
+        readings = measured.with_error(run.error, problem)
+        return cls(problem, readings.entries(reflected), readings)
 
 
 def _first_few(places: list[str]) -> str:

@@ -61,9 +61,13 @@ class Reading:
         "time in which the contact with the largest force pushes by over 1e-9 m V / T (overlaps over 1e-6 L), "
         "or until the end; under a static load, in which the dynamic force is over 1 % of its maximum",
         "time",
-        f"{TOO_COARSE} it, or leave open in which contact the force was largest",
+        f"{TOO_COARSE} it",
     )
-    dwell_error: float = declare(f"uncertainty of ``dwell`` {BY_FRAMES}", "time", "as ``dwell``")
+    dwell_error: float = declare(
+        f"uncertainty of ``dwell`` {BY_FRAMES}; where the force may be as large in other contacts, it covers theirs",
+        "time",
+        "as ``dwell``",
+    )
     dwell_ended: bool | None = declare("whether the dwell had ended by the end of the record", undefined=NOT_ABOVE)
     last: float = declare(
         "force above the static one at the end of the record over the largest: from 0.01 on the record ends inside a "

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from granchain import Analysis, InputError
+from granchain import InputError
 from granchain.parts import (
     Fact,
     Floats,
@@ -25,6 +25,7 @@ from granchain.parts import (
     units,
     write_text,
 )
+from granchain.parts import analyse as analysing
 from workflow.plugins.derivatives.derivative import Derivative
 from workflow.plugins.derivatives.motion import DerivativesOfMotion
 from workflow.plugins.derivatives.varied_scene import JUMP, VariedScene
@@ -200,8 +201,11 @@ def values_and_slopes(plain: dict[str, Any], names: Sequence[str], by: Sequence[
 
 
 def with_derivatives(
-    analyse: Callable[[], Analysis], directory: RunDirectory, quantities: Sequence[str], by: Sequence[str] | None
-) -> Analysis:
+    analyse: Callable[[], analysing.Analysis],
+    directory: RunDirectory,
+    quantities: Sequence[str],
+    by: Sequence[str] | None,
+) -> analysing.Analysis:
     """The analysis of a run with derivatives for its scene, which are also written beside the frames.
 
     Args:

@@ -6,7 +6,7 @@ import math
 import numpy as np
 from matplotlib.figure import Figure
 
-from granchain.parts import Floats, RunDirectory, axes, gauge, page, references, spacetime, units, watch
+from granchain.parts import Floats, RunDirectory, axes, drawing, forces, page, physics, references, spacetime, units
 from workflow.plugins.design.figures import Objective, front_figure, history_figure, members_figure, wall_figure
 from workflow.plugins.design.result import SET_AGAINST, DesignResult
 from workflow.plugins.design.search import RULED_OUT, worth
@@ -84,7 +84,7 @@ def _of_search(result: DesignResult) -> list[page.PageFigure]:
 
 def _of_best(result: DesignResult) -> list[page.PageFigure]:
     best = result.verified[0].directory
-    map_of_best = spacetime.spacetime_figure(watch(spacetime.SpaceTime(best.problem), best.blocks()))
+    map_of_best = drawing.draw(spacetime.spacetime_sheet(spacetime.space_time_meter(best.problem).read(best.blocks())))
     pictures = [page.drawn("spacetime", map_of_best, "The best in space and time, by LAMMPS.")]
     against = [] if result.beside is None else [(SET_AGAINST, result.beside.directory)]
     curves = [
@@ -103,14 +103,12 @@ def _of_best(result: DesignResult) -> list[page.PageFigure]:
 def _wall(directory: RunDirectory) -> tuple[Floats, Floats] | None:
     problem = directory.problem
     name = "right wall" if problem.direction > 0 else "left wall"
-    wall = tuple(each for each in gauge.gauges(problem.system, wall=True) if each.name == name)
-    if not wall:
+    if not physics.walls(problem.system):
         return None
-    times, forces = [], []
-    for block in directory.blocks():
-        times.append(block.time * problem.scale.time)
-        forces.append(gauge.at_frames(block, wall)[..., 0].sum(axis=1) * problem.scale.force)
-    return np.concatenate(times), np.concatenate(forces)
+    readings = forces.read(directory.blocks(), problem, wall=True)
+    of_wall = [place for place, gauge in enumerate(readings.gauges) if gauge.name == name]
+    force = readings.force[:, :, of_wall].sum(axis=1) * problem.scale.force
+    return (readings.time * problem.scale.time, force[:, 0]) if of_wall else None
 
 
 def _made(result: DesignResult) -> str:

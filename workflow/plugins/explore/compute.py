@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from granchain import InputError, Scene
-from granchain.parts import Problem, StepHalving, Survey, engines, leading_waves, numbers, output, settle, style
+from granchain.parts import Problem, StepHalving, Survey, engines, leading_waves, numbers, output, panels, settle
 from workflow.plugins.pages.downsample import Thinned, thinned
 
 MOST_SECONDS = 2.0
@@ -57,7 +57,7 @@ def computed(scene: Scene) -> ComputedScene:
     halving = StepHalving(problem, velocity_only=True)
     blocks = list(halving.blocks())
     waves = Survey(problem, lambda: iter(blocks), leading_waves.usual_arrival(problem)).completed()
-    part = thinned(problem, blocks, style.shown_chains(problem), deforms=False)
+    part = thinned(problem, blocks, panels.shown_chains(problem), deforms=False)
     return ComputedScene(problem, part, waves, halving.uncertainty.velocity)
 
 

@@ -7,7 +7,7 @@ from bokeh.events import Tap
 from bokeh.layouts import column, row
 from bokeh.models import ColumnDataSource, HoverTool, Range1d, Span
 
-from granchain.parts import Fact, Floats, analyse, spacetime
+from granchain.parts import Fact, Floats, analyse, panels, spacetime
 from workflow.plugins.explore.compute import ComputedScene
 from workflow.plugins.pages import run_page
 from workflow.plugins.pages.downsample import Thinned, units_of
@@ -22,6 +22,7 @@ from workflow.plugins.pages.plots import (
     maps_of,
     root_colours,
 )
+from workflow.plugins.pages.units import axis_of
 from workflow.plugins.pages.write import themed
 
 NARROWEST = 330
@@ -62,7 +63,7 @@ class Picture:
             title = "peak velocity of the leading pulse"
             beads = ends(problem.rows.numbers.astype(np.float64), 1.0)
             bead_range = place_range if part.even else Range1d(*beads, bounds=beads)
-            self._peaks = graph(title, "peaks", self._units, "velocity", bead_range, "bead")
+            self._peaks = graph(title, "peaks", panels.BEAD, axis_of("velocity", self._units), bead_range)
             self._draw(self._peaks, _peaks(result, part, self._units["velocity"].worth))
             graphs.append(self._peaks)
         self._energy = run_page.energy(part, self._time_range, self._units) if problem.rows.complete else None
@@ -120,7 +121,8 @@ class Picture:
     def _traces(self, bead: int) -> tuple[Any, Any, Any]:
         """Plot of a bead's velocity, the choice of the bead, and both in a column; a click on a map chooses, too."""
         beads = self._part.beads
-        plot = graph("velocity over time", "velocity", self._units, "velocity", self._time_range)
+        axes = axis_of("time", self._units), axis_of("velocity", self._units)
+        plot = graph("velocity over time", "velocity", *axes, self._time_range)
         nearest = str(beads[int(np.argmin(np.abs(beads - bead)))])
         select = choice("bead (or click a map)", nearest, [str(number) for number in beads], "bead")
         self._select = select

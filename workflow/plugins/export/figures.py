@@ -16,10 +16,10 @@ def pdf(results: Results) -> Writers:
 
 
 def _figures(results: Results, suffix: str) -> Writers:
-    from granchain.parts import style  # matplotlib takes half a second to import
+    from granchain.parts import drawing, style  # matplotlib takes half a second to import
 
     drawn: Writers = {
-        f"{name}.{suffix}": lambda path, figure=figure: path.write_bytes(style.picture(figure, suffix))  # type: ignore[misc]
-        for name, figure in results.figures.items()
+        f"{name}.{suffix}": lambda path, sheet=sheet: path.write_bytes(style.picture(drawing.draw(sheet), suffix))  # type: ignore[misc]
+        for name, sheet in results.figures.items()
     }
     return {**drawn, **numbers(results)}

@@ -18,7 +18,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from granchain import InputError
-from granchain.parts import Floats, Integers, Problem, Trajectory, radii, screen, spacetime, style, watch
+from granchain.parts import Floats, Integers, Problem, Trajectory, drawing, panels, radii, screen, spacetime, style
 from workflow.plugins.export.atoms import springs
 from workflow.plugins.export.registry import FORMATS
 from workflow.plugins.export.request import ExportRequest, Writers
@@ -94,7 +94,7 @@ def _pictures(request: ExportRequest, name: str) -> Iterator[Picture]:
     """The pictures of a film, one at a time: frames at equal distances in time."""
     directory, options = request.directory, request.options
     problem = directory.problem
-    motion_map = watch(spacetime.SpaceTime(problem), directory.blocks())
+    motion_map = spacetime.space_time_meter(problem).read(directory.blocks())
     frames = len(motion_map.time)
     if frames < 2 or len(problem.rows.numbers) < 2:
         raise InputError(f"{directory.path}: has one frame or records one bead, of which there is no film")
@@ -136,9 +136,11 @@ class _Stage:
         pixels: width of a picture.
     """
 
-    def __init__(self, problem: Problem, motion_map: spacetime.SpaceTime, relative_radii: Floats, pixels: int) -> None:
+    def __init__(
+        self, problem: Problem, motion_map: spacetime.BeadHistory, relative_radii: Floats, pixels: int
+    ) -> None:
         self._problem = problem
-        self._chains = style.shown_chains(problem)
+        self._chains = panels.shown_chains(problem)
         self._beads = problem.rows.numbers
         size = relative_radii[self._chains][:, self._beads - 1]
         self._widths = 0.95 * size / np.max(size)
@@ -149,16 +151,17 @@ class _Stage:
         self._background = self._drawn_once()
 
     @style.styled
-    def _laid_out(self, motion_map: spacetime.SpaceTime, pixels: int) -> tuple[Figure, _Drawn, style.AxisUnit]:
+    def _laid_out(self, motion_map: spacetime.BeadHistory, pixels: int) -> tuple[Figure, _Drawn, panels.AxisUnit]:
         """Figure with the beads above the maps, and the unit of times."""
         sight = min(BEADS_IN_SIGHT, len(self._beads))
         rows, _ = spacetime.panels(self._problem, len(motion_map.chains))
         row_inches = INCHES / (sight + 1)
         above = max(1.0, row_inches * APART * len(self._chains) + 0.55)
         figure = Figure(figsize=(INCHES, 0.3 + above + 0.6 + 2.4 * rows), layout="constrained")
-        figure.suptitle(style.title(self._problem, each_chain=True, panels=True))
+        figure.suptitle(panels.title(self._problem, each_chain=True, panels=True))
         subfigures: Any = figure.subfigures(2, 1, height_ratios=[above, 0.6 + 2.4 * rows])
-        maps, time = spacetime.draw_maps(subfigures[1], motion_map)
+        maps = drawing.draw_panels(subfigures[1], spacetime.spacetime_sheet(motion_map))
+        time = panels.axis_unit(self._problem, "time", motion_map.time[-1])
         axis = subfigures[0].subplots()
         beads = EllipseCollection(
             [],

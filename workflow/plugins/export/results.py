@@ -2,13 +2,9 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
-from granchain.parts import analyse, collect
+from granchain.parts import analyse, collect, panels
 from workflow.plugins.export.request import ExportRequest
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SWEEP = "table.csv"
 """Name of the table of a sweep, as ``granchain collect`` gives it."""
@@ -34,6 +30,6 @@ class Results:
         return self._frames.tables if self.request.is_run else {SWEEP: collect.collect(self.request.path).to_csv()}
 
     @cached_property
-    def figures(self) -> "dict[str, Figure]":
-        """Name -> figure of the run; a sweep has none."""
-        return {name: draw() for name, draw in self._frames.figures.items()} if self.request.is_run else {}
+    def figures(self) -> dict[str, panels.Sheet]:
+        """Name -> panels of each figure of the run; a sweep has none."""
+        return {name: make() for name, make in self._frames.figures.items()} if self.request.is_run else {}

@@ -4,6 +4,7 @@ import io
 from pathlib import Path
 
 from granchain.parts import quantity
+from workflow.plugins.export.figure_numbers import caption, columns_of
 from workflow.plugins.export.request import Writers
 from workflow.plugins.export.results import Results
 
@@ -18,14 +19,13 @@ def csv(results: Results) -> Writers:
 
 def numbers(results: Results) -> Writers:
     """Numbers behind every figure of a run, a file of CSV for each panel, and a table of their captions."""
-    from workflow.plugins.export.figure_numbers import captions, panels  # matplotlib takes half a second to import
-
     texts, rows = {}, []
-    for name, figure in results.figures.items():
-        for place, (columns, caption) in enumerate(zip(panels(figure), captions(figure), strict=True), 1):
+    for name, sheet in results.figures.items():
+        tables = ((columns_of(panel), panel, title) for panel, title in zip(sheet.panels, sheet.titles, strict=True))
+        for place, (columns, panel, title) in enumerate((table for table in tables if table[0]), 1):
             file = f"figure-{name}-{place}.csv"
             texts[file] = quantity.to_csv(columns)
-            rows.append((file, caption))
+            rows.append((file, caption(panel, title, sheet.title)))
     if rows:
         files, sentences = zip(*rows, strict=True)
         texts[CAPTIONS] = quantity.to_csv({"file": list(files), "caption": list(sentences)})

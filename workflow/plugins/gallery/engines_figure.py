@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from granchain.parts import Floats, Integers, Problem, style
+from granchain.parts import Floats, Integers, Problem, panels, style
 
 ENGINE_LOOKS: tuple[dict[str, Any], ...] = (
     {"linestyle": "-", "linewidth": 3.5, "alpha": 0.35},
@@ -44,10 +44,10 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Engin
 
     A colour and, above, a marker is a chain; below, a line style is an engine.
     """
-    chains = style.shown_chains(problem)
+    chains = panels.shown_chains(problem)
     spans = [_window(curves, position) for position in range(len(rows))]
-    time = style.axis_unit(problem, "time", max(high for _, high in spans))
-    velocity = style.axis_unit(
+    time = panels.axis_unit(problem, "time", max(high for _, high in spans))
+    velocity = panels.axis_unit(
         problem, "velocity", max(float(np.abs(curve.velocity).max(initial=0.0)) for curve in curves)
     )
     figure = style.new_figure(3.0 + 1.8 * len(rows), 7.5)
@@ -71,14 +71,14 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Engin
                 axis.plot(curve.time * time.worth, values, color=_colour(place), label=curve.engine, **_look(number))
         axis.set_xlim(span[0] * time.worth, span[1] * time.worth)
         axis.set_title(f"bead {row}", loc="left")
-        axis.set_ylabel(velocity.label(style.FrameContent, "velocity"))
+        axis.set_ylabel(velocity.axis(panels.FrameContent, "velocity").label.mathtext)
     style.letter(figure.axes)
-    axis.set_xlabel(time.label(style.FrameContent, "time"))
+    axis.set_xlabel(time.axis(panels.FrameContent, "time").label.mathtext)
     handles = [Line2D([], [], color="black", label=curve.engine, **_look(k)) for k, curve in enumerate(curves)]
     if len(chains) > 1:
         handles += [Line2D([], [], label=f"chain {chain + 1}", **_chain_marks(k)) for k, chain in enumerate(chains)]
     style.legend_below(figure, handles, [str(handle.get_label()) for handle in handles])
-    style.head(figure, style.title(problem, each_chain=True))
+    style.head(figure, panels.title(problem, each_chain=True))
     return figure
 
 

@@ -27,7 +27,6 @@ from granchain.parts import (
     library,
     page,
     style,
-    watch,
 )
 from workflow.plugins.gallery.statements import Section, Statement
 
@@ -102,7 +101,7 @@ class Ran(RunDirectory):
     @cached_property
     def flow(self) -> energies.Flow:
         """Energy of the chains over time."""
-        return watch(energies.EnergyFlow(self.problem), self.blocks()).result()
+        return energies.FlowMeter(self.problem).read(self.blocks())
 
     def width(self, bead: int) -> float:
         """Full width at half maximum of the leading pulse at a bead of chain 1, in beads: duration times speed."""

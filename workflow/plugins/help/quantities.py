@@ -89,8 +89,8 @@ of the pulse in a single chain.
 
 An uncertainty is a sum of bounds:
 
-- what the time between frames leaves: differences of polynomials of several degrees, and contacts, dashpots and
-  forces that begin between frames;
+- what the time between frames leaves: differences of polynomials of several degrees, contacts, dashpots and forces
+  that begin between frames, and the distance from an earlier maximum that frames neither show nor exclude;
 - the error of the run by its time step (`run_error`), measured against the reference, with that of the reference;
 - of an asymptotic amplitude and a train, the variation of the peak velocity.
 
@@ -98,7 +98,10 @@ The error of the run, in units of m, V and T, with the error e of all velocities
 
 - leading pulses: that of peak velocities, and of arrivals, of leading pulses;
 - other pulses and last beads: e in peak velocities v, and e / v^1.2 in arrivals;
-- energies: twice that of the peak velocity, relative to it;
+- the time d between two arrivals at time t, on which speeds and lags depend: 2 d / t of that of arrivals and
+  2 a / v^1.2, with the error a of peak velocities, but twice that of arrivals at most;
+- widths: relative to them as speeds, and a / v^1.2 of travel at either end; residuals: (a + e) / v;
+- energies: twice that of the peak velocity, relative to it; amplitudes of spectra: 2 e;
 - forces: e m omega / 2, with the largest mass m and angular frequency omega; impulses: 2 m e each time that a contact
   closes; the time of the largest force F: that of arrivals or m e / F; dwells: five times as much.
 

@@ -32,6 +32,7 @@ from granchain.parts import (
     computations,
     library,
     options,
+    panels,
     quantity,
     screen,
     units,
@@ -324,7 +325,6 @@ def _estimates(spectrum: LyapunovResult) -> list[RunningEstimate]:
 
 
 def _figure(spectrum: LyapunovResult) -> "Figure":
-    from granchain.parts import style  # matplotlib takes half a second to import
     from workflow.plugins.lyapunov import figure
 
     scale, usual = spectrum.problem.scale, growth.usual_step(spectrum.problem)
@@ -340,7 +340,7 @@ def _figure(spectrum: LyapunovResult) -> "Figure":
         for part in zip(*results, strict=True)
     )
     unit = units.Label("exponent", r"\lambda", scale.symbol("rate")), units.Label("time", "t", scale.symbol("time"))
-    return figure.draw(lines, values, errors, bounds, unit, style.title(spectrum.problem))
+    return figure.draw(lines, values, errors, bounds, unit, panels.title(spectrum.problem))
 
 
 def seconds(problem: Problem, exponents: int, duration: float) -> float:

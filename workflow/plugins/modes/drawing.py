@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from granchain.parts import unit_cell, units
+from granchain.parts import panels, unit_cell, units
 from workflow.plugins.modes.tables import BranchOfMode, ModesResult
 
 if TYPE_CHECKING:
@@ -20,13 +20,12 @@ MOST_BRANCHES = 4
 
 def figures(result: ModesResult) -> "dict[str, Figure]":
     """Figures of the first branches; none without branches."""
-    from granchain.parts import style  # matplotlib takes half a second to import
     from workflow.plugins.modes import branch_figures
 
     curves = [_curve(result, branch) for branch in result.branches if branch.states][:MOST_BRANCHES]
     if not curves:
         return {}
-    scale, name = result.problem.scale, style.title(result.problem)
+    scale, name = result.problem.scale, panels.title(result.problem)
     energy, frequency = (
         units.Label("energy", "E", scale.symbol("energy")),
         units.Label("angular frequency", "\\omega", scale.symbol("frequency")),

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granchain import InputError, Scene
-from granchain.parts import Floats, Problem, Study, computations, deck, options, screen, units
+from granchain.parts import Floats, Problem, Study, computations, deck, options, panels, screen, units
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes import driven
 from workflow.plugins.modes.linear import MOST_FREE
@@ -137,7 +137,6 @@ def _largest(problem: Problem, data: dict[str, Any]) -> tuple[int, int]:
 
 
 def _figure(curve: ResponseResult) -> "Figure":
-    from granchain.parts import style  # matplotlib takes half a second to import
     from workflow.plugins.modes import branch_figures
 
     scale, lines, changes = curve.problem.scale, curve.responses(), curve.bifurcations()
@@ -162,7 +161,7 @@ def _figure(curve: ResponseResult) -> "Figure":
         units.Label(f"largest speed of bead {curve.place[1]} of chain {curve.place[0]}", "", scale.symbol("velocity")),
     )
     stable = np.array([line.stable == "yes" for line in lines])
-    return branch_figures.response_figure(points(lines), stable, marked, labels, style.title(curve.problem))
+    return branch_figures.response_figure(points(lines), stable, marked, labels, panels.title(curve.problem))
 
 
 # --- command ----------------------------------------------------------------------------------------------------------

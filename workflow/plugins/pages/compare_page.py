@@ -9,7 +9,8 @@ from bokeh.events import Tap
 from bokeh.layouts import column, gridplot, row
 from bokeh.models import ColorBar, ColumnDataSource, CustomJS, HoverTool, Range1d, Span
 
-from granchain.parts import Problem, Trajectory, spacetime
+from granchain.parts import Problem, Trajectory, panels, spacetime
+from granchain.parts import units as labels
 from workflow.plugins.pages.downsample import MOST_NUMBERS, Thinned, thinned, units_of
 from workflow.plugins.pages.plots import (
     LINE_WIDTH,
@@ -23,7 +24,7 @@ from workflow.plugins.pages.plots import (
     number,
     root_colours,
 )
-from workflow.plugins.pages.units import Units
+from workflow.plugins.pages.units import Units, axis_of
 
 Pair = tuple[Trajectory, Trajectory]
 
@@ -172,29 +173,29 @@ def _of_differences(plot: Any, units: Units, difference_units: Units) -> None:
     ]
     hover.formatters |= {f"@{name}": number(units["velocity"]) for name in ("first", "second")}
     for bar in plot.select({"type": ColorBar}):
-        bar.title = _difference_label(difference_units)
+        bar.title = _difference_axis(difference_units).label.plain
     plot.add_layout(Span(dimension="height", location=0.0, line_color="#888888", line_dash="dashed", visible=False))
 
 
-def _difference_label(difference_units: Units) -> str:
-    """Label of an axis of differences of velocities."""
-    return difference_units["velocity"].label("velocity, A minus B", "")
+def _difference_axis(difference_units: Units) -> panels.Axis:
+    """Axis of differences of velocities."""
+    return panels.Axis(labels.Label("velocity, A minus B", unit=difference_units["velocity"].symbol))
 
 
 def _traces(
     source: ColumnDataSource, names: tuple[str, str], units: Units, difference_units: Units, time_range: Range1d
 ) -> list[Any]:
     """Plots of the velocity of a bead in both runs and of their difference."""
-    both = graph(" ", "velocities", units, "velocity", time_range)
+    time = axis_of("time", units)
+    both = graph(" ", "velocities", time, axis_of("velocity", units), time_range)
     both.tags = ["velocity: "]
     lines = [
         both.line("time", "first", source=source, **{**look(0), "line_width": 1.5 * LINE_WIDTH}),
         both.line("time", "second", source=source, **{**look(1), "line_dash": _OTHER_DASH}),
     ]
     add_legend(both, [(f"{letter}: {name}", [line]) for letter, name, line in zip("AB", names, lines, strict=True)])
-    apart = graph(" ", "velocity-difference", difference_units, "velocity", time_range)
+    apart = graph(" ", "velocity-difference", time, _difference_axis(difference_units), time_range)
     apart.tags = ["velocity, A minus B: "]
-    apart.yaxis.axis_label = _difference_label(difference_units)
     apart.line("time", "difference", source=source, **look(2) | {"line_dash": "solid"})
     for plot in (both, apart):
         plot.center = [part for part in plot.center if not isinstance(part, Span)]

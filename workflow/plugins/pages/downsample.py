@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granchain.parts import Fact, Floats, Integers, Problem, Trajectory, motion, spacetime
-from workflow.plugins.pages.units import PageUnit, Units, page_unit
+from workflow.plugins.pages.units import Units, page_unit
 
 MOST_BEADS = 500
 """Of a chain."""
@@ -74,7 +74,7 @@ class Thinned:
         """Time from one frame to the next."""
         return float(self.time[1] - self.time[0]) if len(self.time) > 1 else 1.0
 
-    def measured(self, units: Mapping[str, PageUnit]) -> "Thinned":
+    def measured(self, units: Units) -> "Thinned":
         """Thinned run with its arrays in units of the page, such as ms and mm/s."""
         kinds = {name: name for name in ("time", "velocity", "force", "energy")}
         kinds |= {"displacement": "length", "overlap": "length", "density": "energy", "resonators": "length"}

@@ -12,7 +12,7 @@ from granchain.parts import Floats, Problem, spacetime
 from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.plots import MAPPED, choice, label_of, lists, map_palette, shown_quantities
 from workflow.plugins.pages.save_data import tool_of_maps
-from workflow.plugins.pages.units import Units, axis_label
+from workflow.plugins.pages.units import Units, axis_of
 
 ROOT = "root"
 """Scale at first: the square root of the size, with its sign."""
@@ -92,7 +92,7 @@ def map_choice(
     for select in (quantity, scale):
         select.js_on_change("value", show)
     images = [plot.renderers[0].data_source for plot in plots]
-    heads = {"time": axis_label("time", units["time"]), **labels}
+    heads = {"time": axis_of("time", units).label.plain, **labels}
     toolbar.tools.append(tool_of_maps(f"{problem.name}-map-{names[0]}", images, lists(part), quantity, heads))
     return row(quantity, scale, sizing_mode="stretch_width", styles={"flex-wrap": "wrap"})
 

@@ -145,7 +145,7 @@ def _springs(problem: Problem, part: Thinned) -> list[list[int]]:
 def _scales(part: Thinned, units: Units, strongest: float, further: str) -> str:
     """How velocities, displacements and forces are drawn, and in further words what else."""
     length, force = units["length"], units["force"]
-    unit = f"{length.worth:.3g} {length.symbol} (L)" if length.symbol else "L (the unit of length)"
+    unit = f"{length.worth:.3g} {length.symbol} (L)" if length.behind else "L (the unit of length)"
     between = "neighbouring beads" if part.bead_stride == 1 and part.even else "the beads shown"
     forces = f"; bars above the beads: contact forces, the highest {strongest:.3g}{force.behind}" if strongest else ""
     displacements = f"a displacement of {unit} is drawn as {_EXAGGERATED:g} of the distance between {between}"

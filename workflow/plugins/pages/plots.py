@@ -1,5 +1,6 @@
 """What the plots of a run's page share: axes, numbers, looks of lines and legends; and maps in space and time."""
 
+import re
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -17,6 +18,7 @@ from bokeh.models import (
     Legend,
     LegendItem,
     LinearColorMapper,
+    LogTickFormatter,
     Range1d,
     Select,
     Span,
@@ -24,9 +26,9 @@ from bokeh.models import (
 from bokeh.plotting import figure
 from matplotlib.colors import to_hex
 
-from granchain.parts import Floats, Problem, spacetime, style
+from granchain.parts import Floats, Problem, panels, spacetime, style, units
 from workflow.plugins.pages.downsample import Thinned
-from workflow.plugins.pages.units import PageUnit, Units, axis_label
+from workflow.plugins.pages.units import Units, axis_of
 
 _SEEN_ON_DARK = {"#000000": "#44aa99", "#882255": "#aa4499"}
 """Teal and purple (Tol) for black and wine, which are hard to see in dark mode."""
@@ -62,18 +64,14 @@ _NOW = ({"line_color": "#000000", "line_width": 4.5}, {"line_color": "#ffe100", 
 """Looks of these lines over maps: yellow on a black rim is seen on all their colours."""
 
 
-def graph(
-    title: str, name: str, units: Units, y: str, x_range: Range1d, x: str = "time", y_axis_type: str = "auto"
-) -> Any:
+def graph(title: str, name: str, x: panels.Axis, y: panels.Axis, x_range: Range1d) -> Any:
     """A plot of lines, of a quantity over another one or over beads.
 
     Args:
         title: above it.
         name: of the file that is saved.
-        units: of the page.
-        y, x: quantities with a unit; or other words for the latter, which then counts beads.
+        x, y: its axes.
         x_range: shared by plots over the same quantity.
-        y_axis_type: of Bokeh, such as ``log``.
     """
     plot = figure(
         title=title,
@@ -83,18 +81,21 @@ def graph(
         toolbar_sticky=False,
         height=360,
         sizing_mode="stretch_width",
-        x_axis_label=axis_label(x, units[x]) if x in units else x,
-        y_axis_label=axis_label(y, units[y]),
-        y_axis_type=y_axis_type,
+        x_axis_label=x.label.plain,
+        y_axis_label=y.label.plain,
+        y_axis_type="log" if y.log else "auto",
         x_range=x_range,
     )
     plot.toolbar.logo = None
     label(plot)
-    if x == "time":
+    if x.label.words == "time":
         line = Span(name=NOW, dimension="height", location=x_range.start, line_color="#888888", line_width=1.5)
         plot.add_layout(line)
-    if x not in units:
+    if x.beads:
         plot.xaxis.ticker = whole_numbers()
+    if y.log:
+        plot.yaxis.formatter = LogTickFormatter()
+        plot.y_range = Range1d(*y.ends)
     return plot
 
 
@@ -188,9 +189,9 @@ def name_places(plot: Any, part: Thinned) -> None:
         plot.xaxis.formatter = CustomJSTickFormatter(args={"beads": part.beads.tolist()}, code=_NAME)
 
 
-def number(unit: PageUnit) -> CustomJSHover:
+def number(unit: panels.AxisUnit) -> CustomJSHover:
     """How a cursor says a number."""
-    return CustomJSHover(args={"unit": unit.behind}, code=_NUMBER)
+    return CustomJSHover(args={"unit": re.sub(r"[${}]", "", unit.behind)}, code=_NUMBER)
 
 
 # --- maps -------------------------------------------------------------------------------------------------------------
@@ -227,10 +228,10 @@ MAPPED = {
 """Quantities of a map, as the arrays of a `Thinned` are called."""
 
 
-def label_of(name: str, units: Units) -> str:
+def label_of(name: str, page_units: Units) -> str:
     """Words, symbol and unit of a quantity of the maps, such as ``contact force F (N)``."""
     shown = MAPPED[name]
-    return units[shown.unit].label(shown.words, shown.symbol)
+    return units.Label(shown.words, shown.symbol, page_units[shown.unit].symbol).plain
 
 
 def shown_quantities(part: Thinned) -> list[str]:
@@ -281,7 +282,7 @@ def maps_of(
             sizing_mode="stretch_width",
             x_range=ranges[0],
             y_range=ranges[1],
-            y_axis_label=axis_label("time", units["time"]),
+            y_axis_label=axis_of("time", units).label.plain,
         )
         drawn = plot.image("velocity", x="x", y="y", dw="dw", dh="dh", source=source, color_mapper=colours)
         plot.add_tools(HoverTool(renderers=[drawn], **hover), CrosshairTool(line_alpha=0.4))
@@ -293,7 +294,7 @@ def maps_of(
         name_places(plot, part)
         plot.xaxis.ticker.desired_num_ticks = 8 // across + 2
         if place == across - 1 or place == len(images) - 1 < across:
-            plot.add_layout(_bar(colours, axis_label("velocity", units["velocity"])), "right")
+            plot.add_layout(_bar(colours, axis_of("velocity", units).label.plain), "right")
         maps[place // across].append(plot)
     return maps
 

@@ -1,71 +1,77 @@
 """The page of a run: its plots, and where they stand."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from bokeh.layouts import column, gridplot, row
-from bokeh.models import CheckboxGroup, ColumnDataSource, CustomJS, Div, HoverTool, Range1d
+from bokeh.models import CheckboxGroup, CustomJS, Div, Range1d
 
-from granchain.parts import Fact, Floats, Integers, Problem, Survey, leading_waves, physics, spacetime
+from granchain.parts import (
+    Fact,
+    Floats,
+    Integers,
+    Problem,
+    Survey,
+    leading_waves,
+    long_waves,
+    panels,
+    physics,
+    spacetime,
+)
 from workflow.plugins.pages.downsample import Thinned, units_of
 from workflow.plugins.pages.map_choice import map_choice
-from workflow.plugins.pages.measured import plots_of
+from workflow.plugins.pages.measured import curves_plot, plots_of
 from workflow.plugins.pages.moving import moving_beads
-from workflow.plugins.pages.plots import (
-    MARKS,
-    NOW,
-    add_legend,
-    chain_name,
-    ends,
-    graph,
-    image_source,
-    largest,
-    look,
-    maps_of,
-    mark,
-    number,
-    root_colours,
-)
+from workflow.plugins.pages.plots import NOW, chain_name, ends, image_source, maps_of, root_colours
 from workflow.plugins.pages.save_data import add_tool_of_curves
 from workflow.plugins.pages.selection import selection
 from workflow.plugins.pages.theory import along, draw_lines, lines_of, peaks_of
 from workflow.plugins.pages.traces import TracePlot
-from workflow.plugins.pages.units import Units
+from workflow.plugins.pages.units import Units, axis_of
 
 # --- graphs over beads ------------------------------------------------------------------------------------------------
 
 
-_THEORY_COLOURS = ("#888888", "#00a651")
+_DOTTED = {"name": "theory", "line_dash": "dotted", "line_width": 2}
+
+_THEORY = [{**_DOTTED, "line_color": colour} for colour in ("#888888", "#00a651")]
+"""Looks of lines of theory."""
+
+
+Lines = list[tuple[Integers | Floats, Floats]]
+"""Beads and values of each chain, both [point]."""
 
 
 def distances(problem: Problem, part: Thinned, survey: Survey, bead_range: Range1d, units: Units) -> list[Any]:
     """Peak velocity and lag of the leading pulse along the chains, and impulses where chains are compared by them."""
-    waves, time, velocity = survey.waves, units["time"], units["velocity"]
+    waves, shared, velocity = survey.waves, survey.shared, units["velocity"]
     if not len(waves):
         return []
     kicked = physics.largest_excitation(problem.system)[0]
     of_chain = {chain: waves.of_chain(chain) for chain in part.chains}
-    peaks = {
-        chain: _pulse_by_pulse(passed, passed.peak_velocity * velocity.worth) for chain, passed in of_chain.items()
-    }
-    lags = {chain: _lag(passed, waves.of_chain(kicked), time.worth) for chain, passed in of_chain.items()}
-    title = "peak velocity of the leading pulse"
+    peaks: Lines = [_pulse_by_pulse(passed, passed.peak_velocity * velocity.worth) for passed in of_chain.values()]
     theory = {name: (bead, value * velocity.worth) for name, (bead, value) in peaks_of(problem, survey).items()}
-    plot = graph(title, "peaks", units, "velocity", bead_range, "bead")
-    graphs = [_draw_over_beads(plot, problem, "velocity", peaks, units, theory=theory)]
+    kinds = [("peak velocity of the leading pulse", "peaks", "velocity", peaks)]
     if sum(len(passed) > 0 for passed in of_chain.values()) > 1:
-        title = f"arrival after that in {chain_name(kicked)}"
-        plot = graph(title, "arrivals", units, "time", bead_range, "bead")
-        graphs.append(_draw_over_beads(plot, problem, "time", lags, units))
-    shared = survey.shared
+        lags: Lines = [_lag(passed, waves.of_chain(kicked), units["time"].worth) for passed in of_chain.values()]
+        kinds.append((f"arrival after that in {chain_name(kicked)}", "arrivals", "time", lags))
     if shared.of_impulses:
         bead = along(survey, shared.bead)
-        impulses = {chain: (bead, shared.amplitude[:, chain - 1] * velocity.worth) for chain in part.chains}
-        title = "impulse of the first contact, over the mass"
-        plot = graph(title, "impulses", units, "velocity", bead_range, "bead")
-        graphs.append(_draw_over_beads(plot, problem, "velocity", impulses, units))
+        impulses: Lines = [(bead, shared.amplitude[:, chain - 1] * velocity.worth) for chain in part.chains]
+        kinds.append(("impulse of the first contact, over the mass", "impulses", "velocity", impulses))
+    graphs = []
+    for title, name, quantity, values in kinds:
+        curves = []
+        for place, (chain, (beads, value)) in enumerate(zip(part.chains, values, strict=True)):
+            missing = panels.Missing(np.setdiff1d(problem.rows.numbers, beads), long_waves.period_of(problem.system))
+            curves.append(panels.Curve(chain_name(chain), *panels.broken(beads, value, missing), place))
+        if name == "peaks":
+            curves += [panels.Curve(line, *points) for line, points in theory.items()]
+        panel = panels.Panel(panels.BEAD, axis_of(quantity, units), tuple(curve for curve in curves if len(curve.x)))
+        looks = dict(zip(theory, _THEORY, strict=False))
+        graphs.append(curves_plot(title, name, [panel], bead_range, looks=looks))
     return graphs
 
 
@@ -81,60 +87,6 @@ def _lag(waves: leading_waves.Waves, reference: leading_waves.Waves, worth: floa
     return both, (waves.arrival[mine] - reference.arrival[theirs]) * worth
 
 
-def _draw_over_beads(
-    plot: Any,
-    problem: Problem,
-    quantity: str,
-    values: Mapping[int, tuple[Integers | Floats, Floats]],
-    units: Units,
-    *,
-    theory: Mapping[str, tuple[Floats, Floats]] | None = None,
-) -> Any:
-    """Draw a quantity over the beads, a line for each chain, broken where a recorded bead has no value.
-
-    Args:
-        plot: to draw in.
-        problem: what was run.
-        quantity: key of its unit.
-        values: by chain: beads, and their values in units of the page.
-        units: of the page.
-        theory: beads and values of lines of theory, by name.
-
-    Returns:
-        The plot.
-    """
-    items = []
-    for place, (chain, (bead, value)) in enumerate(values.items()):
-        if not len(bead):
-            continue
-        line, alone = _broken(problem, bead, value)
-        style = look(place)
-        drawn = [plot.line("bead", "value", source=ColumnDataSource(line), name=chain_name(chain), **style)]
-        if len(alone["bead"]):
-            source, colour = ColumnDataSource(alone), style["line_color"]
-            drawn.append(plot.scatter("bead", "value", source=source, size=4, color=colour, name=chain_name(chain)))
-        items.append((chain_name(chain), drawn))
-    tips = [("bead", "@bead"), (quantity, "@value{custom}")]
-    renderers = [glyph for _, drawn in items for glyph in drawn]
-    plot.add_tools(HoverTool(renderers=renderers, tooltips=tips, formatters={"@value": number(units[quantity])}))
-    for line_name, (bead, value) in (theory or {}).items():
-        style = {"line_color": _THEORY_COLOURS[len(items) % 2], "line_dash": "dotted", "line_width": 2}
-        items.append((line_name, [plot.line(bead, value, name="theory", **style)]))
-    add_legend(plot, items)
-    return plot
-
-
-def _broken(problem: Problem, bead: Integers | Floats, value: Floats) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Values over beads with NaN at recorded beads between them that have none; and those that stand alone."""
-    between = problem.rows.numbers[(problem.rows.numbers > bead[0]) & (problem.rows.numbers < bead[-1])]
-    every = np.union1d(bead, between)
-    values = np.full(len(every), np.nan)
-    values[np.searchsorted(every, bead)] = value
-    finite = np.pad(np.isfinite(values), 1)
-    alone = finite[1:-1] & ~finite[:-2] & ~finite[2:]
-    return {"bead": every, "value": values}, {"bead": every[alone], "value": values[alone]}
-
-
 # --- graphs over time -------------------------------------------------------------------------------------------------
 
 _LEAST_SPAN = 0.02
@@ -143,13 +95,10 @@ _LEAST_SPAN = 0.02
 
 def energy(part: Thinned, time_range: Range1d, units: Units) -> Any:
     """Energy of the beads of each chain that is shown, with their contacts and what holds them, over time."""
-    plot = graph("energy of each chain, without coupling", "energy", units, "energy", time_range)
+    curves = panels.curves_of([chain - 1 for chain in part.chains], part.time, part.energy.T)
+    panel = panels.Panel(axis_of("time", units), axis_of("energy", units), curves)
+    plot = curves_plot("energy of each chain, without coupling", "energy", [panel], time_range)
     plot.y_range.min_interval = _LEAST_SPAN * float(np.max(part.energy))
-    items = []
-    for place, chain in enumerate(part.chains):
-        line = plot.line(part.time, part.energy[place], name=chain_name(chain), **look(place))
-        items.append((chain_name(chain), [line]))
-    add_legend(plot, items)
     return plot
 
 
@@ -157,83 +106,34 @@ _MOST_INSTANTS = 4000
 """Instants of a force over time that are drawn at most."""
 
 
-@dataclass(frozen=True)
-class ForceLine:
-    """A force over time.
-
-    Attributes:
-        name: in the legend.
-        values: [instant], dimensionless.
-        chain: that it acts in.
-        place: of the chain among those that are shown.
-        item: number of the gauge or load.
-    """
-
-    name: str
-    values: Floats
-    chain: int
-    place: int
-    item: int
-
-
-def forces(problem: Problem, part: Thinned, readings: Any, time_range: Range1d, units: Units) -> list[Any]:
+def forces(problem: Problem, part: Thinned, measurement: Any, time_range: Range1d, units: Units) -> list[Any]:
     """Forces that gauges read, a line for each and each chain that is shown, and those that push and drive beads.
 
     Args:
         problem: what was run.
         part: of its frames, in units of the page.
-        readings: of the measurement ``forces``; None where there are no gauges.
+        measurement: the measurement ``forces``; None where there are no gauges.
         time_range: of the axis.
         units: of the page.
     """
-    graphs, time = [], part.time / units["time"].worth
-    if readings is not None:
-        title = "total force at gauges" if readings.loaded else "force at gauges"
-        stride = slice(None, None, -(-len(readings.time) // _MOST_INSTANTS))
-        lines = [
-            ForceLine(f"{gauge.name}, {chain_name(chain)}", readings.force[stride, chain - 1, item], chain, place, item)
-            for item, gauge in enumerate(readings.gauges[: len(MARKS)])
-            for place, chain in enumerate(part.chains)
-        ]
-        graphs.append(_forces(title, "forces", readings.time[stride], lines, time_range, units))
-    if loads := problem.system.loads[: len(MARKS)]:
-        lines = [
-            ForceLine(
-                f"bead {load.bead}, {chain_name(load.chain)}",
-                np.array([load.force(t) for t in time]),
-                load.chain,
-                item,
-                0,
-            )
-            for item, load in enumerate(loads)
-        ]
-        graphs.append(_forces("external force on beads", "external-forces", time, lines, time_range, units))
+    graphs, time = [], axis_of("time", units)
+    if measurement is not None:
+        shown = [row[0] for row in measurement.sheet().rows]
+        stride = slice(None, None, -(-len(shown[0].curves[0].x) // _MOST_INSTANTS))
+        for place, panel in enumerate(shown):
+            curves = tuple(replace(curve, x=curve.x[stride], y=curve.y[stride]) for curve in panel.curves)
+            shown[place] = replace(panel, curves=curves)
+        title = f"{shown[0].y.label.words} at gauges"
+        graphs.append(curves_plot(title, "forces", shown, time_range, x=time))
+    if loads := problem.system.loads:
+        force, instants = axis_of("force", units), part.time / time.worth
+        shown = []
+        for load in loads:
+            values = np.array([[load.force(t)] for t in instants]) * force.worth
+            curves = panels.curves_of([load.chain - 1], part.time, values)
+            shown.append(panels.Panel(time, force, curves, f"bead {load.bead}"))
+        graphs.append(curves_plot("external force on beads", "external-forces", shown, time_range))
     return graphs
-
-
-def _forces(title: str, name: str, time: Floats, lines: Sequence[ForceLine], time_range: Range1d, units: Units) -> Any:
-    """A plot of forces: colour and dashes are the chain's and the mark is the gauge's, or all are the gauge's."""
-    force, instants = units["force"], time * units["time"].worth
-    plot = graph(title, name, units, "force", time_range)
-    several_chains = len({line.place for line in lines}) > 1
-    several_items = len({line.item for line in lines}) > 1
-    items, curves = [], []
-    for line in lines:
-        values = line.values * force.worth
-        source = ColumnDataSource({"time": instants, "force": values})
-        style = look(line.place if several_chains else line.item)
-        curves.append(plot.line("time", "force", source=source, name=chain_name(line.chain), **style))
-        drawn = [curves[-1]]
-        if several_chains and several_items:
-            points = ColumnDataSource(largest(instants, values))
-            drawn.append(mark(plot, points, line.place, line.item))
-            drawn[-1].name = chain_name(line.chain)
-        items.append((line.name, drawn))
-    tips = [("time", "@time{custom}"), ("force", "@force{custom}")]
-    formatters = {"@time": number(units["time"]), "@force": number(force)}
-    plot.add_tools(HoverTool(renderers=curves, tooltips=tips, formatters=formatters))
-    add_legend(plot, items)
-    return plot
 
 
 # --- layout -----------------------------------------------------------------------------------------------------------
@@ -286,7 +186,7 @@ def layout(
     below = [*traces.plots, *_graphs(problem, part, survey, measured, (place_range, time_range), units)]
     for plot in below:
         add_tool_of_curves(plot, problem.name)
-    further = plots_of(problem, part, measured, time_range, units)
+    further = plots_of(problem, measured, time_range, units)
     plots = [*every_map, *below, *further]
     now = dict.fromkeys(line for plot in plots for line in plot.center if line.name == NOW)
     every = np.ones((problem.chains, problem.beads)) if radius is None else radius / np.max(radius)
@@ -322,8 +222,7 @@ def _graphs(
         units: of the page.
     """
     place_range, time_range = ranges
-    gauges = measurements.get("forces")
-    graphs = forces(problem, part, None if gauges is None else gauges.readings, time_range, units)
+    graphs = forces(problem, part, measurements.get("forces"), time_range, units)
     if survey is not None and problem.system.holds(Fact.PULSE):
         all_beads = (float(part.beads[0]) - 1.0, float(part.beads[-1]) + 1.0)
         bead_range = place_range if part.even else Range1d(*all_beads, bounds=all_beads)

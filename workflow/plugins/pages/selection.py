@@ -5,10 +5,11 @@ from typing import Any
 
 from bokeh.models import Button, ColumnDataSource, CustomJS, Div, Select, Slider
 
+from granchain.parts import panels
 from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.plots import DARK_CONTROL, MAPPED, lists, shown_quantities
 from workflow.plugins.pages.traces import ALL
-from workflow.plugins.pages.units import PageUnit, Units
+from workflow.plugins.pages.units import Units
 
 _READ = """
 const i = beads.indexOf(Number(bead.value));
@@ -120,9 +121,9 @@ def open_link(root: Any) -> CustomJS:
     return CustomJS(args=choices, code=_OPEN)
 
 
-def in_brackets(unit: PageUnit) -> str:
+def in_brackets(unit: panels.AxisUnit) -> str:
     """What stands behind a quantity: ``" (mm/s)"``, or nothing."""
-    return f" ({unit.symbol})" if unit.symbol else ""
+    return f" ({unit.symbol})" if unit.behind else ""
 
 
 _CHOICES = {"slider": "time", "bead": "bead", "chain": "chain"}

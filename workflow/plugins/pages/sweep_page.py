@@ -33,9 +33,8 @@ from bokeh.models import (
 from bokeh.palettes import Viridis256
 from bokeh.plotting import figure
 
-from granchain.parts import collect
+from granchain.parts import collect, panels, units
 from workflow.plugins.pages.plots import CHAIN_COLOURS, TICK, TOOLS, choice, label, number
-from workflow.plugins.pages.units import PageUnit
 
 _LINK = '<% if (link) { %><a href="<%= link %>"><%- value %></a><% } else { %><%- value %><% } %>'
 
@@ -596,7 +595,7 @@ def _answer(plot: Any, drawn: Any, drawing: _Drawing) -> None:
     ring = {"size": 22, "fill_color": None, "line_color": "#cc79a7", "line_width": 2.5, "name": "ring"}
     plot.scatter("x", "y", source=drawing.marked, **ring)
     tips = [("case", "@case"), ("over", "@x{custom}"), ("quantity", "@y{custom}"), ("uncertainty", "@error{custom}")]
-    formatters = {f"@{key}": number(PageUnit(1.0, "")) for key in ("x", "y", "error")}
+    formatters = {f"@{key}": number(panels.AxisUnit(1.0, units.REDUCED)) for key in ("x", "y", "error")}
     plot.add_tools(HoverTool(renderers=[drawn], tooltips=tips, formatters=formatters))
     open_case = CustomJS(args={"source": drawing.source}, code=_OPEN)
     plot.add_tools(TapTool(renderers=[drawn], callback=open_case))

@@ -6,9 +6,9 @@ from typing import Any
 from bokeh.layouts import row
 from bokeh.models import Button, CustomJS, CustomJSTickFormatter, Slider, Toggle
 
+from granchain.parts import panels
 from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.plots import DARK_CONTROL, choice
-from workflow.plugins.pages.units import PageUnit
 
 SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "4", "10")
 """Speeds of play, over that at which a run takes some 16 s."""
@@ -34,7 +34,7 @@ slider.value = slider.start + Math.max(0, Math.min(last, k)) * slider.step;
 _TIME = "return tick.toFixed(digits) + unit"
 
 
-def time_bar(part: Thinned, unit: PageUnit) -> tuple[Slider, Any]:
+def time_bar(part: Thinned, unit: panels.AxisUnit) -> tuple[Slider, Any]:
     """A slider whose values are times, and the bar in which it stands with what moves it.
 
     Args:
@@ -56,7 +56,7 @@ def time_bar(part: Thinned, unit: PageUnit) -> tuple[Slider, Any]:
     return slider, bar
 
 
-def _slider(part: Thinned, unit: PageUnit) -> Slider:
+def _slider(part: Thinned, unit: panels.AxisUnit) -> Slider:
     """A slider whose values are times, written to a tenth of the time between frames."""
     digits = max(0, 1 - math.floor(math.log10(part.every)))
     written = CustomJSTickFormatter(args={"digits": digits, "unit": unit.behind}, code=_TIME)

@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 from bokeh.events import Tap
 from bokeh.layouts import row
-from bokeh.models import BasicTicker, ColumnDataSource, CustomJS, DataRange1d, Legend, Range1d, Select
+from bokeh.models import ColumnDataSource, CustomJS, DataRange1d, Legend, Range1d, Select
 
+from granchain.parts import panels
+from granchain.parts import units as labels
 from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.plots import (
     MARKS,
@@ -21,7 +23,7 @@ from workflow.plugins.pages.plots import (
     look,
     mark,
 )
-from workflow.plugins.pages.units import Units
+from workflow.plugins.pages.units import Units, axis_of
 
 MOST_TRACES = len(MARKS)
 """Lines that are drawn at most; those of one bead where there are more chains."""
@@ -99,7 +101,9 @@ class TracePlot:
         self._source.data = {"time": part.time.astype(np.float32)}
         self._marks: list[ColumnDataSource] = []
         self._columns = {"velocity": self._filled("velocity")}
-        over_time = graph("velocity over time", "velocity", units, "velocity", time_range)
+        over_time = graph(
+            "velocity over time", "velocity", axis_of("time", units), axis_of("velocity", units), time_range
+        )
         self._legends = [self._drawn(over_time, ["time"] * len(self._columns["velocity"]))]
         self.plots = [over_time]
         if phase:
@@ -168,7 +172,7 @@ class TracePlot:
 
     def _phase_portrait(self, units: Units) -> Any:
         """Velocities over displacements."""
-        plot = graph("phase portrait", "phase", units, "velocity", DataRange1d(), label_of("displacement", units))
-        plot.xaxis.ticker = BasicTicker()
+        x = panels.Axis(labels.Label(label_of("displacement", units)))
+        plot = graph("phase portrait", "phase", x, axis_of("velocity", units), DataRange1d())
         self._legends.append(self._drawn(plot, self._columns["displacement"], marked=False))
         return plot

@@ -11,7 +11,7 @@ from bokeh.events import DocumentReady
 from bokeh.models import CustomJS, GridPlot, Plot, SaveTool, Slider
 from bokeh.resources import INLINE
 
-from granchain import InputError
+from granchain import InputError, analyze
 from granchain.parts import (
     Problem,
     RunDirectory,
@@ -21,12 +21,12 @@ from granchain.parts import (
     engines,
     file_names,
     output_directory,
+    panels,
     provenance,
     radii,
     references,
     screen,
     strict_yaml,
-    style,
     validate,
     validate_run,
     write_text,
@@ -222,7 +222,7 @@ def _run(path: Path) -> Path:
     problem, scene = directory.problem, directory.scene
     lines, shown_results, survey, measurements = [sentence(scene.units)], "", None, None
     try:
-        analysis = analyse.analyse(directory, figures=False)
+        analysis = analyze(directory.path, figures=False)
         survey = analysis.survey
         measurements = analysis.measurements
         shown_results = results(analysis_lines.lines(analysis))
@@ -231,7 +231,7 @@ def _run(path: Path) -> Path:
     check = directory.job.check
     if check is not None and check.velocity is not None:
         lines.append(f"Error against the reference: velocities {check.velocity:.1e} V.")
-    part = thinned(problem, directory.blocks_so_far(), style.shown_chains(problem))
+    part = thinned(problem, directory.blocks_so_far(), panels.shown_chains(problem))
     lines += _left_out(problem, part)
     texts = {"scene": strict_yaml.dump(scene.plain())}
     if (path / file_names.DECK).is_file():
@@ -355,7 +355,7 @@ def _compared(runs: tuple[RunDirectory, ...], comparison: validate.Validation, f
     directory, problem = runs[0], comparison.problem
     first, second = [*(run.path.resolve().name for run in runs), comparison.against][:2]
     pairs = validate_run.compared_pairs(runs, comparison)
-    frames = compare_page.compared_frames(problem, pairs, style.shown_chains(problem))
+    frames = compare_page.compared_frames(problem, pairs, panels.shown_chains(problem))
     root, choose = compare_page.layout(problem, frames, (first, second), analyse.default_beads(problem)[0])
     lines = [*compared_lines(runs, comparison), *_shown(problem, frames.first)]
     if frames.first.frame_stride > 1:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Self
 
 from granchain.parts import Fact, Survey, measurement, quantity
 from workflow.plugins.rigid.runs import RigidRecord
@@ -40,22 +41,13 @@ class RoundingMeasurement(measurement.Measurement):
             )
 
     @classmethod
-    def meter(cls, run: measurement.Recorded) -> "RoundingMeter | None":
-        """Rigid beads."""
-        return None if run.problem.system.holds(Fact.OVERLAPS) else RoundingMeter(run)
-
-
-class RoundingMeter(measurement.Meter):
-    """First collision that follows rounding, from the record of the run."""
-
-    def __init__(self, run: measurement.Recorded) -> None:
-        self.run = run
-
-    def finish(self, survey: Survey) -> RoundingMeasurement:
-        """The first collision."""
-        del survey
-        values, run = FirstByRounding(None, None, None), self.run
+    def of_run(cls, run: measurement.Recorded, survey: Survey, measured: None) -> Self | None:
+        """First collision of rigid beads that follows rounding, from the record of the run."""
+        del survey, measured
+        if run.problem.system.holds(Fact.OVERLAPS):
+            return None
+        values = FirstByRounding(None, None, None)
         if isinstance(run.job, RigidRecord) and run.job.rounding is not None:
             rounding = run.job.rounding
             values = FirstByRounding(rounding.collision, rounding.row, rounding.time / run.problem.scale.time)
-        return RoundingMeasurement(run.problem, values)
+        return cls(run.problem, values)

@@ -7,11 +7,12 @@ by strong ones.
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
-from granchain.parts import Floats, Integers, Problem, Trajectory, physics, quantity, unit_cell
+from granchain.parts import Floats, Integers, Meter, Part, Problem, physics, quantity, unit_cell
 
 MOST_NUMBERS = 10_000_000
 """Largest number of velocities that are held in memory."""
@@ -148,58 +149,67 @@ class Map:
         return np.stack([low, high], axis=-1)
 
 
-class Dispersion:
-    """Collects the velocities of all atoms, as often as the highest frequency of their cell needs.
+@dataclass(frozen=True)
+class DispersionMeter(Meter[Floats, Map | str]):
+    """Map of the velocities of all atoms, taken as often as the highest frequency of their cell needs.
 
-    Raises:
-        NoDispersionError: see `cell_of`; or not all beads are recorded, or frames are too far apart.
+    Attributes:
+        problem: what was run.
     """
 
-    def __init__(self, problem: Problem) -> None:
-        self.cell = unit_cell.cell_of(problem.system)
+    problem: Problem
+
+    @cached_property
+    def cell(self) -> unit_cell.UnitCell | str:
+        """Unit cell of the chains; the reason where frames can show no map of it."""
+        problem = self.problem
+        try:
+            cell = unit_cell.cell_of(problem.system)
+        except unit_cell.NoDispersionError as error:
+            return str(error)
         if not problem.rows.complete:
-            raise unit_cell.NoDispersionError(f"it takes the velocities of all beads, and {problem.rows.missing}")
-        top = float(self.cell.bands().max())
+            return f"it takes the velocities of all beads, and {problem.rows.missing}"
+        top = float(cell.bands().max())
         if problem.every * top > math.pi:
             limit = math.pi / top * problem.scale.time
-            raise unit_cell.NoDispersionError(
+            return (
                 f"frames are farther apart than half a period of its highest frequency, {limit:.3g}; record more often"
             )
-        self._stride = max(1, int(0.7 * math.pi / (problem.every * top)))
-        self._chain = physics.largest_excitation(problem.system)[0]
-        self._every = problem.every * self._stride
-        self._limit = max(2, MOST_NUMBERS // (problem.beads * physics.lines(problem.system)))
-        self._velocity: list[Floats] = []
-        self._passed = self._frames = 0
+        return cell
 
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames."""
-        velocity = block[-self._passed % self._stride :: self._stride].atoms[1]
-        self._passed += block.frames
-        velocity = velocity[: max(0, self._limit - self._frames)].copy()
-        self._frames += len(velocity)
-        self._velocity.append(velocity)
+    @cached_property
+    def stride(self) -> int:
+        """Number of frames from one that is taken to the next."""
+        assert not isinstance(self.cell, str)
+        return max(1, int(0.7 * math.pi / (self.problem.every * float(self.cell.bands().max()))))
 
-    def result(self) -> Map:
-        """Map and branches of the frames so far.
+    def of_part(self, part: Part) -> Floats:
+        """Velocities in the frames that are taken, as many as `MOST_NUMBERS` allows, [frame, line, bead]."""
+        if isinstance(self.cell, str):
+            return np.zeros((0, 0, 0))
+        limit = max(2, MOST_NUMBERS // (self.problem.beads * physics.lines(self.problem.system)))
+        taken = -(-part.start // self.stride)
+        return part.frames[part.every(self.stride)].atoms[1][: max(0, limit - taken)].copy()
 
-        Raises:
-            NoDispersionError: they are too few.
-        """
-        velocity = np.concatenate(self._velocity)
+    def result(self, pieces: list[Floats]) -> Map | str:
+        """Map and branches of velocities [frame, line, bead]; the reason where there are none."""
+        if isinstance(self.cell, str):
+            return self.cell
+        velocity = np.concatenate(pieces)
         frames, _, beads = velocity.shape
         if frames < 16:
-            raise unit_cell.NoDispersionError(f"{frames} frames are too few")
+            return f"{frames} frames are too few"
+        chain, every = physics.largest_excitation(self.problem.system)[0], self.problem.every * self.stride
         velocity *= np.hanning(frames + 2)[1:-1, np.newaxis, np.newaxis] * np.hanning(beads + 2)[1:-1]
-        transform = np.fft.fft(np.fft.rfft(velocity[:, self._chain - 1], axis=0), axis=1)
+        transform = np.fft.fft(np.fft.rfft(velocity[:, chain - 1], axis=0), axis=1)
         # exp(i (q n - omega t)) runs forward
         power: Floats = np.fft.fftshift(np.abs(transform[:, -np.arange(beads) % beads]) ** 2, axes=1)
         wavenumber = np.fft.fftshift(2.0 * math.pi * np.fft.fftfreq(beads))
-        frequency = np.asarray(2.0 * math.pi * np.fft.rfftfreq(frames, self._every))
+        frequency = np.asarray(2.0 * math.pi * np.fft.rfftfreq(frames, every))
         power /= np.max(power) or 1.0
         folded, exact, projected = projected_power(self.cell, velocity)
         measured = measured_branches(frequency, projected, exact)
-        return Map(self._chain, wavenumber, frequency, power, self.cell, folded, exact, measured)
+        return Map(chain, wavenumber, frequency, power, self.cell, folded, exact, measured)
 
 
 def projected_power(cell: unit_cell.UnitCell, velocity: Floats) -> tuple[Floats, Floats, Floats]:

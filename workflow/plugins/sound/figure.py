@@ -1,59 +1,34 @@
 """Power over wavenumber and frequency with the exact branches of the chain."""
 
 import math
-from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
-from granchain.parts import Problem, style
+from granchain.parts import Problem, panels, units
 from workflow.plugins.sound.dispersion import Branches, Map
 
+_PI = "\N{GREEK SMALL LETTER PI}"
 
-@style.styled
-def dispersion_figure(problem: Problem, spectrum: Map) -> Figure:
+TICKS = {-math.pi: f"-{_PI}", -math.pi / 2: f"-{_PI}/2", 0.0: "0", math.pi / 2: f"{_PI}/2", math.pi: _PI}
+"""Wavenumbers that the axis names."""
+
+
+def dispersion_sheet(problem: Problem, spectrum: Map) -> panels.Sheet:
     """The map of the chain with the largest excitation; exact branches as lines, borders of the bands dotted."""
     edges = spectrum.cell.bands()
-    unit = style.axis_unit(problem, "frequency", float(edges.max()))
-    worth = unit.worth
-    bands = edges * worth
-    power, (left, right), (bottom, top) = spectrum.shown_power()
-    figure = style.new_figure(4.8, 6.4)
-    axis = figure.subplots()
-    image = axis.imshow(
-        power,
-        origin="lower",
-        aspect="auto",
-        interpolation="nearest",
-        extent=(left, right, bottom * worth, top * worth),
-        cmap="magma",
-        vmin=-spectrum.DECADES,
-        vmax=0.0,
-        rasterized=True,
-    )
+    unit = panels.axis_unit(problem, "frequency", float(edges.max()))
+    power, across, (bottom, top) = spectrum.shown_power()
+    up = (bottom * unit.worth, top * unit.worth)
+    label = units.Label("$\\log_{10}$ (power / maximum)")
+    image = panels.Image(power, across, up, label, (-spectrum.DECADES, 0.0))
     q = np.linspace(-math.pi, math.pi, 401)
-    dashes: Any = {"linestyle": "--", "linewidth": 0.9}
-    dots: Any = {"linestyle": ":", "linewidth": 1.0}
-    for look in ({"color": "black", "linewidth": 2.4}, {"color": "white", **dashes}):  # seen on all colours of the map
-        axis.plot(q, spectrum.cell.branches(q) * worth, **look)
-    for edge in np.unique(bands.round(12)):
-        axis.axhline(edge, color="0.7", **dots)
-    axis.set_xlim(-math.pi, math.pi)
-    axis.set_ylim(0.0, spectrum.top * worth)
-    axis.set_xticks(
-        [-math.pi, -math.pi / 2, 0.0, math.pi / 2, math.pi], [r"$-\pi$", r"$-\pi/2$", "0", r"$\pi/2$", r"$\pi$"]
-    )
-    axis.set_xlabel(style.AxisUnit(1.0, "rad/bead").label(Branches, "wavenumber"))
-    axis.set_ylabel(unit.label(Branches, "frequency", "angular frequency"))
-    bar = figure.colorbar(image, ax=axis)
-    bar.set_label(r"$\log_{10}$ (power / maximum)")
-    chain = f"; chain {spectrum.chain}" if problem.chains > 1 else ""
-    style.head(figure, f"{style.title(problem)}{chain}")
-    # white on the map
-    style.legend_below(
-        figure,
-        [Line2D([], [], color="black", **dashes), Line2D([], [], color="0.4", **dots)],
-        ["exact branches", "edges of bands"],
-    )
-    return figure
+    branches = np.pad(spectrum.cell.branches(q).T * unit.worth, ((0, 0), (0, 1)), constant_values=np.nan)
+    dashes = {"color": "white", "linestyle": "--", "linewidth": 0.9}
+    lines = panels.Curve("exact branches", np.tile(np.append(q, np.nan), len(branches)), branches.ravel(), look=dashes)
+    dots = {"color": "0.55", "linestyle": ":", "linewidth": 1.0}
+    borders = panels.Marks(np.unique((edges * unit.worth).round(12)), "edges of bands", dots, level=True)
+    wavenumber = panels.AxisUnit(1.0, "rad/bead").axis(Branches, "wavenumber", ends=(-math.pi, math.pi), ticks=TICKS)
+    frequency = unit.axis(Branches, "frequency", "angular frequency", ends=(0.0, spectrum.top * unit.worth))
+    chain = f"chain {spectrum.chain}" if problem.chains > 1 else ""
+    panel = panels.Panel(wavenumber, frequency, (lines,), chain, marks=(borders,), image=image)
+    return panels.Sheet(panels.title(problem), [[panel]], 4.8, 6.4)

@@ -1,14 +1,18 @@
 """The leading pulse on top of a static load: its speed, and the contact force in it over that at rest."""
 
+from dataclasses import dataclass
+from typing import NamedTuple
+
 import numpy as np
 
 from granchain.parts import (
     Floats,
+    Integers,
+    Meter,
+    Part,
     Problem,
     Survey,
-    Trajectory,
     hermite,
-    joined,
     laws,
     long_waves,
     motion,
@@ -121,46 +125,55 @@ def _ends(values: Floats) -> Floats:
     return np.array([np.min(values), np.max(values)])
 
 
-class LoadedPulse:
-    """Finds the first maximum of every overlap in a run of all beads that is given block by block.
+class Maxima(NamedTuple):
+    """First maximum of the overlap of each of some contacts in a part of a run, each [contact].
 
-    Between two frames an overlap is the polynomial of degree five through its value and two derivatives there.
+    Attributes:
+        chain, contact: positions, from 0.
+        arrival: time of the maximum, in units of T.
+        strain: the maximum above the overlap at rest, in units of L.
     """
 
-    def __init__(self, problem: Problem) -> None:
-        self._problem = problem
-        shape = problem.chains, problem.beads - 1
-        self._least = SMALLEST / rates.front_speed(problem.system)
-        self._arrival, self._strain = np.full(shape, np.nan), np.full(shape, np.nan)
-        self._carried: Trajectory | None = None
+    chain: Integers
+    contact: Integers
+    arrival: Floats
+    strain: Floats
 
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames, evenly spaced in time with those before."""
-        if self._carried is not None:
-            block = joined([self._carried, block])
-        self._carried = block[-1:]
-        if block.frames < 2:
-            return
+
+@dataclass(frozen=True)
+class LoadedPulseMeter(Meter[Maxima, LoadedWave | None]):
+    """Leading pulse of the kicked chain in a run of all beads, by the first maximum of every overlap.
+
+    Between two frames an overlap is the polynomial of degree five through its value and two derivatives there.
+
+    Attributes:
+        problem: what was run.
+    """
+
+    problem: Problem
+
+    def of_part(self, part: Part) -> Maxima:
+        """First maxima between the frames of a part, to the first frame of the next."""
+        block = part.to_next
         x, v = block.displacement, block.velocity
         strain, rate = x[..., :-1] - x[..., 1:], v[..., :-1] - v[..., 1:]
-        high = np.maximum(strain[:-1], strain[1:]) > self._least
-        top = high & (rate[:-1] > 0.0) & (rate[1:] <= 0.0) & np.isnan(self._arrival)
-        frame, chain, contact = np.nonzero(top)
-        _, earliest = np.unique(
-            chain * self._arrival.shape[1] + contact, return_index=True
-        )  # first maximum of each contact
+        high = np.maximum(strain[:-1], strain[1:]) > SMALLEST / rates.front_speed(self.problem.system)
+        frame, chain, contact = np.nonzero(high & (rate[:-1] > 0.0) & (rate[1:] <= 0.0))
+        _, earliest = np.unique(chain * strain.shape[2] + contact, return_index=True)  # first maximum of each contact
         frame, chain, contact = frame[earliest], chain[earliest], contact[earliest]
         if len(frame) == 0:
-            return
+            return Maxima(chain, contact, np.zeros(0), np.zeros(0))
         data = np.stack([motion.strain_and_rates(block, at, chain, contact) for at in (frame, frame + 1)])
         polynomial = hermite.coefficients((0, 1), data, block.spacing)
         at = hermite.falling_zero(hermite.derivative(polynomial), np.zeros(len(frame)), np.ones(len(frame)))
-        self._arrival[chain, contact] = block.time[frame] + at * block.spacing
-        self._strain[chain, contact] = hermite.value(polynomial, at)
+        return Maxima(chain, contact, block.time[frame] + at * block.spacing, hermite.value(polynomial, at))
 
-    def result(self) -> LoadedWave | None:
-        """Leading pulse of the kicked chain in the frames so far; None where it did not come far enough."""
-        problem = self._problem
+    def result(self, pieces: list[Maxima]) -> LoadedWave | None:
+        """Leading pulse of the kicked chain; None where it did not come far enough."""
+        problem = self.problem
+        arrival, largest = np.full((2, problem.chains, problem.beads - 1), np.nan)
+        for chains, contacts, *maxima in reversed(pieces):  # the earliest stay
+            arrival[chains, contacts], largest[chains, contacts] = maxima
         system = problem.system
         direction = problem.direction
         number, bead, _ = physics.largest_excitation(system)
@@ -169,20 +182,20 @@ class LoadedPulse:
         distance = contact - (bead - 1) if direction > 0 else (bead - 2) - contact
         ahead = count - contact if direction > 0 else contact + 1
         clear = (distance >= 0) & (ahead > CLEAR + FRONT * np.cbrt(distance))
-        reached = contact[clear & np.isfinite(self._arrival[chain])]
+        reached = contact[clear & np.isfinite(arrival[chain])]
         if len(reached) < CLEAR:
             return None
         cell = long_waves.cell_beads(system)
         over = cell * min(-(-OVER // cell), max(1, (len(reached) - 1) // cell))
         used = reached[-over - 1 :] if direction > 0 else reached[: over + 1]
         first, last = (int(used[0]), int(used[-1])) if direction > 0 else (int(used[-1]), int(used[0]))
-        overlap = laws.rest(system.along[0].law) + np.where(np.isfinite(self._strain), self._strain, 0.0)
+        overlap = laws.rest(system.along[0].law) + np.where(np.isfinite(largest), largest, 0.0)
         force = motion.contact_force(system, overlap)
         load = np.broadcast_to(laws.load(system.along[0].law), force.shape)
         if not np.all(load[chain, used] > 0.0):
             return None
         ratio = float(np.mean(force[chain, used] / load[chain, used]))
-        taken = float(self._arrival[chain, last] - self._arrival[chain, first])
+        taken = float(arrival[chain, last] - arrival[chain, first])
         sound = float(np.mean(long_waves.sound_speed(system)[chain, used]))
         theory = (
             float(long_waves.speed_over_sound(ratio, physics.exponent(system) or 1.5))

@@ -3,17 +3,15 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Self
 
 import numpy as np
 
 from granchain import Scene
-from granchain.parts import Fact, Floats, Problem, Survey, Trajectory, laws, long_waves, measurement, physics, unit_cell
-from workflow.plugins.sound.dispersion import Bands, Branches, Dispersion, Map
-from workflow.plugins.sound.loaded_pulse import LoadedPulse, Sound
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from granchain.parts import Fact, Floats, Survey, laws, long_waves, measurement, panels, physics, unit_cell
+from workflow.plugins.sound.dispersion import Bands, Branches, DispersionMeter, Map
+from workflow.plugins.sound.figure import dispersion_sheet
+from workflow.plugins.sound.loaded_pulse import LoadedPulseMeter, LoadedWave, Sound
 
 
 @dataclass(frozen=True, repr=False)
@@ -35,50 +33,24 @@ class DispersionMeasurement(measurement.Measurement):
         """The branches."""
         return None if self.map is None else self.map.branches()
 
-    @property
-    def drawable(self) -> bool:
-        """Where there is a map."""
-        return self.map is not None
-
-    def draw(self) -> "Figure":
+    def sheet(self) -> panels.Sheet | None:
         """The map with the branches."""
-        from workflow.plugins.sound.figure import dispersion_figure
-
-        assert self.map is not None
-        return dispersion_figure(self.problem, self.map)
+        return None if self.map is None else dispersion_sheet(self.problem, self.map)
 
     @classmethod
-    def meter(cls, run: measurement.Recorded) -> "DispersionMeter | None":
+    def meter(cls, run: measurement.Recorded) -> DispersionMeter | None:
         """Dispersion of chains under a static load."""
         return DispersionMeter(run.problem) if physics.loaded(run.problem.system) else None
 
-
-class DispersionMeter(measurement.Meter):
-    """The map of velocities, or the reason why there is none."""
-
-    def __init__(self, problem: Problem) -> None:
-        self.problem = problem
-        self._collected, self._why = None, ""
-        try:
-            self._collected = Dispersion(problem)
-        except unit_cell.NoDispersionError as error:
-            self._why = str(error)
-
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames."""
-        if self._collected is not None:
-            self._collected.add(block)
-
-    def finish(self, survey: Survey) -> DispersionMeasurement:
-        """Map and bands of all frames."""
+    @classmethod
+    def of_run(cls, run: measurement.Recorded, survey: Survey, measured: Map | str | None) -> Self | None:
+        """Map and bands, or the reason why there are none."""
         del survey
-        if self._collected is None:
-            return DispersionMeasurement(self.problem, Bands(self._why), None)
-        try:
-            dispersion = self._collected.result()
-        except unit_cell.NoDispersionError as error:
-            return DispersionMeasurement(self.problem, Bands(str(error)), None)
-        return DispersionMeasurement(self.problem, dispersion.bands(), dispersion)
+        if measured is None:
+            return None
+        if isinstance(measured, str):
+            return cls(run.problem, Bands(measured), None)
+        return cls(run.problem, measured.bands(), measured)
 
 
 @dataclass(frozen=True, repr=False)
@@ -124,30 +96,19 @@ class SoundMeasurement(measurement.Measurement):
             yield line
 
     @classmethod
-    def meter(cls, run: measurement.Recorded) -> "SoundMeter | None":
-        """Sound under a static load; the pulse where it stays together and all beads are recorded."""
-        return SoundMeter(run) if physics.loaded(run.problem.system) else None
+    def meter(cls, run: measurement.Recorded) -> LoadedPulseMeter | None:
+        """The pulse under a static load, where it stays together and all beads are recorded."""
+        problem = run.problem
+        pulses = problem.rows.complete and problem.system.holds(Fact.PULSE)
+        return LoadedPulseMeter(problem) if physics.loaded(problem.system) and pulses else None
 
-
-class SoundMeter(measurement.Meter):
-    """Speed of sound, and the leading pulse on it."""
-
-    def __init__(self, run: measurement.Recorded) -> None:
-        self.problem = run.problem
-        self._length = bead_length(run.scene)
-        pulses = run.problem.rows.complete and run.problem.system.holds(Fact.PULSE)
-        self._pulse = LoadedPulse(run.problem) if pulses else None
-
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames."""
-        if self._pulse is not None:
-            self._pulse.add(block)
-
-    def finish(self, survey: Survey) -> SoundMeasurement:
-        """Sound and the leading pulse of all frames."""
-        wave = None if self._pulse is None else self._pulse.result()
-        sound = Sound.of(self.problem, wave, survey, self._length)
-        return SoundMeasurement(self.problem, sound, self._length)
+    @classmethod
+    def of_run(cls, run: measurement.Recorded, survey: Survey, measured: LoadedWave | None) -> Self | None:
+        """Sound under a static load, and the leading pulse."""
+        if not physics.loaded(run.problem.system):
+            return None
+        length = bead_length(run.scene)
+        return cls(run.problem, Sound.of(run.problem, measured, survey, length), length)
 
 
 def bead_length(scene: Scene) -> float | None:

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from granchain.parts import Floats, Problem, style
+from granchain.parts import Floats, Problem, panels, style
 
 MARKERS = "osD^v<>Px*h"
 
@@ -50,7 +50,7 @@ def work_precision_figure(
     handles, labels = velocity.get_legend_handles_labels()
     style.letter(figure.axes)
     style.legend_below(figure, handles, labels)
-    style.head(figure, style.title(problem))
+    style.head(figure, panels.title(problem))
     return figure
 
 

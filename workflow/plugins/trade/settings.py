@@ -8,8 +8,9 @@ import math
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from itertools import chain
+from itertools import chain, tee
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from granchain.parts import (
     file_names,
     leading_waves,
     mpi,
+    parts_of,
     peaks,
     physics,
     quantity,
@@ -287,19 +289,32 @@ def intervals(problem: Problem) -> list[Interval]:
 
 
 def _passages(fine: Problem, seldom: list[Problem]) -> Iterator[peaks.Peaks]:
-    """Leading pulse at each bead, for several times between frames."""
-    finders: list[peaks.PeakFinder] = [leading_waves.leading_finder(problem) for problem in seldom]
-    done = 0
-    for block in reference.blocks(fine):
-        for problem, finder in zip(seldom, finders, strict=True):
-            part = block[-done % problem.steps_per_frame :: problem.steps_per_frame]
-            if part.frames:
-                finder.add(replace(part, problem=problem))
-        done += block.frames
+    """Leading pulse at each bead, for several times between frames, in one run."""
+    meters = [leading_waves.leading_meter(problem) for problem in seldom]
+    pieces: list[list[Any]] = [[] for _ in seldom]
+    runs = zip(seldom, tee(reference.blocks(fine), len(seldom)), strict=True)
+    parts = {number: parts_of(_frames_of(*run)) for number, run in enumerate(runs)}
+    read_to = [0.0] * len(seldom)
+    while parts:
+        number = min(parts, key=lambda each: read_to[each])  # so that few blocks are held for the others
+        part = next(parts[number], None)
+        if part is None:
+            del parts[number]
+        else:
+            pieces[number].append(meters[number].of_part(part))
+            read_to[number] = float(part.frames.time[-1])
     return (
-        leading_waves.leading_passages(finder.result(), problem).first()
-        for finder, problem in zip(finders, seldom, strict=True)
+        leading_waves.leading_passages(meter.result(of_parts), problem).first()
+        for meter, of_parts, problem in zip(meters, pieces, seldom, strict=True)
     )
+
+
+def _frames_of(problem: Problem, blocks: Iterable[Trajectory]) -> Iterator[Trajectory]:
+    """Frames of a problem among those of every step."""
+    done = 0
+    for block in blocks:
+        yield replace(block[-done % problem.steps_per_frame :: problem.steps_per_frame], problem=problem)
+        done += block.frames
 
 
 def _interval(problem: Problem, measured: peaks.Peaks, exact: peaks.Peaks) -> Interval:

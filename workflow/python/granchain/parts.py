@@ -17,16 +17,19 @@ if TYPE_CHECKING:
     from analysis import quantity as quantity
     from analysis.compare import difference as difference
     from analysis.compare.common_times import paired as paired
+    from analysis.figures import drawing as drawing
+    from analysis.figures import panels as panels
     from analysis.figures import spacetime as spacetime
     from analysis.figures import studies as studies
     from analysis.figures import style as style
     from analysis.figures.errors import residual_figure as residual_figure
-    from analysis.figures.waves import response_of as response_of
     from analysis.files import recording as recording
     from analysis.files import traces as traces
     from analysis.files.binary_dump import BinaryDump as BinaryDump
     from analysis.gauges import channels as channels
-    from analysis.gauges import gauge as gauge
+    from analysis.meters import Meter as Meter
+    from analysis.meters import Part as Part
+    from analysis.meters import parts_of as parts_of
     from analysis.shape import exact_wave as exact_wave
     from analysis.shape import long_waves as long_waves
     from analysis.shape import unit_cell as unit_cell
@@ -40,8 +43,6 @@ if TYPE_CHECKING:
     from analysis.trajectory import Integers as Integers
     from analysis.trajectory import Trajectory as Trajectory
     from analysis.trajectory import frames_per_block as frames_per_block
-    from analysis.trajectory import joined as joined
-    from analysis.trajectory import watch as watch
     from lammps_inputs import Problem as Problem
     from lammps_inputs import System as System
     from lammps_inputs import complaints as complaints

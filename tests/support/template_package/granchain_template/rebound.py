@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from granchain.parts import Problem, Survey, Trajectory, measurement, quantity
+from granchain.parts import Meter, Part, measurement, quantity
 
 
 @quantity.result
@@ -34,21 +34,17 @@ class Rebound(measurement.Measurement):
     @classmethod
     def meter(cls, run: measurement.Recorded) -> "ReboundMeter":
         """The largest over all frames."""
-        return ReboundMeter(run.problem)
+        del run
+        return ReboundMeter()
 
 
-class ReboundMeter(measurement.Meter):
-    """Largest velocity backwards so far."""
+class ReboundMeter(Meter[float, Backwards]):
+    """Largest velocity backwards."""
 
-    def __init__(self, problem: Problem) -> None:
-        self.problem = problem
-        self._largest = 0.0
+    def of_part(self, part: Part) -> float:
+        """The largest in the frames of a part."""
+        return float(np.nanmax(-part.frames.velocity))
 
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames."""
-        self._largest = max(self._largest, float(np.nanmax(-block.velocity)))
-
-    def finish(self, survey: Survey) -> Rebound:
+    def result(self, pieces: list[float]) -> Backwards:
         """The largest in all frames."""
-        del survey
-        return Rebound(self.problem, Backwards(self._largest))
+        return Backwards(max(0.0, *pieces))

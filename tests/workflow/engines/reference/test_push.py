@@ -8,7 +8,7 @@ from plain_scene import scene
 from small_problems import problem
 from truth import Truth
 
-from analysis.conservation import Conservation
+from analysis.conservation import ConservationMeter
 from lammps_inputs.laws.in_time import HalfSine, Rectangular
 from lammps_inputs.loads import Load
 from workflow.engines.reference import engine
@@ -24,13 +24,12 @@ def pushed(*loads, **changes):
 @pytest.mark.slow
 def test_a_push_that_ends_abruptly_gives_the_exact_motion_and_its_impulse():
     one = scene(kick=None, push={"peak": 0.5, "duration": 2.03, "shape": "rectangular"})
-    run, seen = engine.run(one.problem(), steps_per_frame=320), Conservation()
+    run = engine.run(one.problem(), steps_per_frame=320)
     exact = Truth(one, run.time[-1], 1e-13).states(run.time)[1]
     assert np.max(np.abs(run.velocity - exact)) < 1e-9
     (push,) = run.problem.system.loads
     assert abs(run.velocity[-1].sum() - push.impulse(push.end)) < 1e-13
-    seen.add(run)
-    assert seen.momentum_drift < 1e-13
+    assert ConservationMeter(run.problem).read([run]).momentum_drift < 1e-13
 
 
 @pytest.mark.slow
@@ -65,7 +64,8 @@ def test_the_work_on_frames_is_that_on_their_own_motion():
     one = pushed(Load(1, 8, HalfSine(0.8, 2.03)), steps_per_frame=50, frames=6)
     own = engine.run(one)
     larger = replace(own, displacement=1.02 * own.displacement, velocity=1.02 * own.velocity, exchange=None)
-    found = Accountant(one).of(larger).exchange[:, -1]
+    (counted,) = Accountant(one).counted([larger])
+    found = counted.exchange[:, -1]
     assert own.exchange[-1, -1] > 0.4
     np.testing.assert_allclose(found, 1.02 * own.exchange[:, -1], rtol=2e-4, atol=1e-15)
 

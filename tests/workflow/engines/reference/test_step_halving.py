@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 from small_problems import problem
 
-from analysis.compare.common_times import paired
-from analysis.compare.difference import Difference
+from analysis.compare.difference import errors_of
 from analysis.trajectory import joined
 from lammps_inputs import find
 from workflow.engines.reference import engine
@@ -92,12 +91,9 @@ def measured():
     results = []
     for scene in SCENES:
         halving = StepHalving(scene)
-        difference = Difference(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
-        for block, finer in paired(
-            halving.blocks(), engine.blocks(scene, steps_per_frame=16 * halving.steps_per_frame)
-        ):
-            difference.add(block, finer)
-        results.append((halving.uncertainty, difference.deviations()))
+        finer = engine.blocks(scene, steps_per_frame=16 * halving.steps_per_frame)
+        deviations = errors_of(halving.blocks(), finer)
+        results.append((halving.uncertainty, deviations))
     return results
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from granchain.parts import Floats, watch
+from granchain.parts import Floats
 from workflow.plugins.gallery.criteria import MeasuredQuantity, near, state
 from workflow.plugins.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, exponent
 from workflow.plugins.sound import dispersion, loaded_pulse
@@ -26,7 +26,7 @@ LOADS = {f"load-{load:g}": load for load in (0.1, 0.01, 0.003)}
 
 
 def _wave(run: Ran) -> loaded_pulse.LoadedWave:
-    wave = watch(loaded_pulse.LoadedPulse(run.problem), run.blocks()).result()
+    wave = loaded_pulse.LoadedPulseMeter(run.problem).read(run.blocks())
     assert wave is not None
     return wave
 
@@ -91,7 +91,9 @@ Edge = tuple[float, str, str]
 @functools.cache
 def _spectrum(run: Ran) -> dispersion.Map:
     """Power of the velocities over wavenumber and frequency."""
-    return watch(dispersion.Dispersion(run.problem), run.blocks()).result()
+    found = dispersion.DispersionMeter(run.problem).read(run.blocks())
+    assert isinstance(found, dispersion.Map)
+    return found
 
 
 def _edges(results: Results, scene: str, edges: Sequence[Edge], source: str) -> Statements:

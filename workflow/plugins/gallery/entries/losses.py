@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from granchain.parts import Floats, plastic, restitution_of, watch
+from granchain.parts import Floats, plastic, restitution_of
 from workflow.plugins.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, by_engine, near, state
 from workflow.plugins.gallery.entry import (
     COLOURS,
@@ -51,7 +51,7 @@ def _worst(*runs: Ran) -> float:
 
 def _force_exponent(first: int, last: int, run: Ran) -> float:
     """Exponent of the largest force as a power of the number of the contact, from a contact to another."""
-    yields = watch(plastic.YieldMeter(), run.blocks()).result()
+    yields = plastic.YieldMeter().read(run.blocks())
     assert yields is not None
     return exponent(yields[1].force[first - 1 : last - 1], np.arange(float(first), last))
 

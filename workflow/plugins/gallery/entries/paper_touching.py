@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from granchain.parts import page, response_of, spacetime, watch
+from granchain.parts import analyse, drawing, page
 from workflow.plugins.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, by_engine, near, state
 from workflow.plugins.gallery.entry import Entry, Ran, Results, Statements, each
 from workflow.plugins.gallery.equipartition_distance import distance_map, equipartition_distance
@@ -140,17 +140,11 @@ def pictures(runs: Results) -> list[page.PageFigure]:
     figures = []
     for name, bead, space, time in CASES:
         run = runs[name]["lammps"]
+        sheets = analyse.measure(run, beads=(bead,)).figures
         caption = f"Fig. {space}: velocity in space and time ({name}, LAMMPS)."
-        figures.append(
-            page.drawn(
-                f"fig{space}",
-                spacetime.spacetime_figure(watch(spacetime.SpaceTime(run.problem), run.blocks())),
-                caption,
-            )
-        )
+        figures.append(page.drawn(f"fig{space}", drawing.draw(sheets["spacetime"]()), caption))
         caption = f"Fig. {time}: velocity of bead {bead} in all chains ({name}, LAMMPS)."
-        response = response_of(run.problem, run.blocks(), (bead,), run.waves)
-        figures.append(page.drawn(f"fig{time}", response, caption))
+        figures.append(page.drawn(f"fig{time}", drawing.draw(sheets["response"]()), caption))
     cases = [equipartition_distance(chains, kappa) for chains in MAP_CHAINS for kappa in MAP_COUPLINGS]
     caption = "Distance to equipartition and final amplitude over coupling and number of chains (reference integrator)."
     figures.append(page.drawn("map", distance_map(cases), caption))

@@ -1,0 +1,34 @@
+"""Energies that a pulse carries through unlike beads, with their uncertainties."""
+
+import errors_between_frames as errors
+import numpy as np
+import pytest
+
+from analysis.sharing.survey import Survey
+from workflow.measures.cells import Left, left
+
+NUMBERS = ("carried", "per_cell", "rate")
+
+
+def carried_in(run) -> Left:
+    """Energy of the leading pulse of a diatomic chain in the frames of a run."""
+    found = left(Survey(run.problem, run.blocks, "maximum"), 1, 2)
+    assert found is not None
+    return found
+
+
+@pytest.fixture(scope="module")
+def dimer():
+    """Frames 0.05 T apart of a short diatomic chain."""
+    return errors.integrated(errors.small("dimer", 0.05, beads=50, duration=55.0).problem())
+
+
+@pytest.mark.parametrize("stride", [5, 10, 20])
+def test_what_a_pulse_carries_and_loses_in_closer_frames_differs_by_no_more_than_the_uncertainties(dimer, stride):
+    exact, found = carried_in(dimer), carried_in(errors.thinned(dimer, stride))
+    assert (found.first, found.last) == (exact.first, exact.last)
+    for name in NUMBERS:
+        stated = getattr(found, f"{name}_error") + getattr(exact, f"{name}_error")
+        assert abs(getattr(found, name) - getattr(exact, name)) <= stated
+        assert np.isfinite(stated)
+    assert found.carried_error < 1e-3 * found.carried
