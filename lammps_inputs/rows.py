@@ -36,8 +36,9 @@ class Rows:
     width: int | None = None
 
     def only(self, beads: Iterable[int] | None) -> "Rows":
-        """Rows of which frames hold some beads, ascending, or with None all that exist."""
-        return replace(self, listed=None if beads is None else tuple(int(bead) for bead in beads))
+        """Rows of which frames hold some beads, ascending, or all that exist: with None, and where all are listed."""
+        listed = None if beads is None else tuple(int(bead) for bead in beads)
+        return replace(self, listed=None if listed == tuple(range(1, self.beads + 1)) else listed)
 
     def near_front(self, width: int | None) -> "Rows":
         """Rows of which so many exist, and follow the front; all exist with None, or where the chains have no more."""
@@ -100,7 +101,7 @@ class Rows:
         """Rows that frames of two problems both hold, of chains of one length; none is listed where there is none."""
         numbers = np.intersect1d(self.numbers, other.numbers)
         widths = [rows.width for rows in (self, other) if rows.width is not None]
-        return Rows(self.beads, width=min(widths, default=None)).only(None if len(numbers) == self.beads else numbers)
+        return Rows(self.beads, width=min(widths, default=None)).only(numbers)
 
     def mirrored(self) -> "Rows":
         """Rows with their beads in the mirror; twice is the rows themselves."""

@@ -44,6 +44,10 @@ def test_rows_as_wide_as_the_chains_are_all_rows(width):
     assert ALL.near_front(width) == ALL
 
 
+def test_a_list_of_all_beads_is_all_beads():
+    assert ALL.only(range(1, 21)) == ALL
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_twice_in_the_mirror_rows_are_themselves(kind):
     assert KINDS[kind].mirrored().mirrored() == KINDS[kind]
