@@ -24,7 +24,7 @@ from analysis.between_frames import (
 )
 from analysis.columns import Columns
 from analysis.meters import Meter, Part
-from analysis.shape.exact_wave import wave_of
+from analysis.shape.exact_wave import has_wave, wave_of
 from analysis.shape.long_waves import length_of
 from analysis.trajectory import Flags, Floats, Integers, Trajectory
 from lammps_inputs import Problem, laws, physics
@@ -85,7 +85,7 @@ class Shape(Columns):
             where beads differ.
         energy_error: uncertainty of the energy by the time between frames; NaN where only some beads are recorded.
         residual: largest difference from the exact wave of the same peak velocity, in units of that; NaN where a
-            larger pulse overlaps.
+            larger pulse overlaps, or there is no exact wave.
         residual_error: its uncertainty by the time between frames, see `Waveforms._between_samples`, and by those of
             the peak velocity and the arrival.
     """
@@ -307,7 +307,7 @@ class Waveforms:
         overlapped = np.any(compared & (self.velocity > (1.0 + LARGER) * peak), axis=1)
         duration, duration_error = self._durations()
         residual = np.max(difference, axis=1, where=compared, initial=0.0)
-        residual[overlapped] = np.nan
+        residual[overlapped | (not has_wave(self.problem.system))] = np.nan
         of_samples = (self._between_samples(difference, compared) - residual) * sign
         of_peak = passages.peak_velocity_error / passages.peak_velocity
         of_arrival = exact.steepest * exact.speed_at(passages.peak_velocity) * passages.arrival_error

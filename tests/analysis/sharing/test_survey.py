@@ -30,6 +30,13 @@ def shape_of(trajectory: Trajectory, peak: float, arrival: float, bead: int = 20
     return WaveformMeter(trajectory.problem, passages).read(trajectory.blocks()).shape()
 
 
+def test_a_pulse_on_a_static_load_has_no_difference_from_an_exact_wave():
+    run = engine.run(of_keys(beads=20, duration=15.0, precompression={"force": 0.3}, kick={"velocity": 1.0}))
+    shape = survey(run.blocks, run.problem).shape
+    assert np.isfinite(shape.width).any()
+    assert np.isnan([shape.residual, shape.residual_error]).all()
+
+
 @settings(max_examples=25)
 @given(st.floats(0.05, 1.0), st.floats(0.01, 0.3), st.floats(6.0, 15.0), st.sampled_from([1, -1]))
 @pytest.mark.slow
