@@ -117,22 +117,22 @@ class PeakMeter(Meter[Brackets, Peaks]):
         saves time.
         """
         block = part.around
-        way = block.problem.direction if self.direction is None else self.direction
-        frame, chain, bead = (self._between if block.forces_known else self._at)(part, way)
+        direction = block.problem.direction if self.direction is None else self.direction
+        frame, chain, bead = (self._between if block.forces_known else self._at)(part, direction)
         if self.first_only:
             new = ~np.isin(_place(chain + 1, block.beads[bead]), _places(earlier))
             frame, chain, bead = frame[new], chain[new], bead[new]
         if len(frame) == 0:
-            return no_maxima(way)
+            return no_maxima(direction)
         if not block.forces_known:
-            return bracketed(block, frame, chain, bead, way)
-        brackets = between_pairs(block, frame, chain, bead, way, self.threshold)
+            return bracketed(block, frame, chain, bead, direction)
+        brackets = between_pairs(block, frame, chain, bead, direction, self.threshold)
         return brackets.where(brackets.first_certain()) if self.first_only else brackets
 
-    def _at(self, part: Part, way: int) -> Places:
+    def _at(self, part: Part, direction: int) -> Places:
         """Largest frames of maxima, of recorded beads alone."""
         block = part.around
-        v = way * block.velocity
+        v = direction * block.velocity
         low, high = max(1, part.before), min(part.before + part.count, block.frames - 1)
         is_peak = (v[low:high] > self.threshold) & (v[low - 1 : high - 1] < v[low:high])
         is_peak &= v[low:high] >= v[low + 1 : high + 1]
@@ -142,11 +142,11 @@ class PeakMeter(Meter[Brackets, Peaks]):
             return _first_frame(kicked, (frame + low, chain, bead))
         return frame + low, chain, bead
 
-    def _between(self, part: Part, way: int) -> Places:
+    def _between(self, part: Part, direction: int) -> Places:
         """First frames of pairs between which there may be maxima."""
         block = part.around
         moving = block.moving
-        v = way * block.velocity[:, :, moving]
+        v = direction * block.velocity[:, :, moving]
         low, high = max(1, part.before), min(part.before + part.count, block.frames - 1)
         around = v[low - 1 : high + 2]
         if len(around) < high - low + 3:
@@ -154,7 +154,7 @@ class PeakMeter(Meter[Brackets, Peaks]):
         (frame, chain, bead), falls = candidates(around, self.threshold)
         frame += low
         chosen = ~falls
-        chosen[falls] = ~_slows(block, frame[falls], chain[falls], bead[falls] + moving.start, way)
+        chosen[falls] = ~_slows(block, frame[falls], chain[falls], bead[falls] + moving.start, direction)
         if self.first_only:  # none after the first largest frame
             last = np.full(v.shape[1:], block.frames)
             np.minimum.at(last, (chain[falls], bead[falls]), frame[falls])

@@ -91,9 +91,9 @@ Edge = tuple[float, str, str]
 @functools.cache
 def _spectrum(run: Ran) -> dispersion.Map:
     """Power of the velocities over wavenumber and frequency."""
-    found = dispersion.DispersionMeter(run.problem).read(run.blocks())
-    assert isinstance(found, dispersion.Map)
-    return found
+    power = dispersion.DispersionMeter(run.problem).read(run.blocks())
+    assert isinstance(power, dispersion.Map)
+    return power
 
 
 def _edges(results: Results, scene: str, edges: Sequence[Edge], source: str) -> Statements:
