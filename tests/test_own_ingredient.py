@@ -236,7 +236,6 @@ def text(name: str, **changes: Any) -> str:
 PROGRAM = """
 import json
 import sys
-from dataclasses import replace
 from pathlib import Path
 import numpy as np
 import lammps_here as here
@@ -286,8 +285,7 @@ print(json.dumps({
     "peak": float(peaks.velocity[peaks.bead == 20][0]),
     "refused": refused,
     "rebound": [engine.run(worn, steps_per_frame=steps).velocity[-1, 0].tolist() for steps in (10, 400)],
-    "states": [engine.make_state(replace(worn, system=system), None).contact_state.size
-                 for system in (worn.system, find("two-chains").system)],
+    "states": [engine.make_state(each, None).contact_state.size for each in (worn, find("two-chains").problem())],
 }))
 """
 

@@ -192,8 +192,10 @@ class _Compared(NamedTuple):
 
     Attributes:
         problem: of the frames of the first run.
-        velocity, displacement: differences.
-        peaks, reference_peaks: brackets of the leading maxima.
+        velocity: differences of velocities.
+        displacement: differences of displacements.
+        peaks: brackets of the leading maxima of the first run.
+        reference_peaks: those of the second run.
         conservation: what the conservation of the first run follows from.
         cells: time of the first frame of each cell of the map of errors, [cell], and the cells' errors, [cell, bead
             cell].
@@ -263,6 +265,12 @@ class DifferenceMeter:
     def result(self, pieces: list[_Compared]) -> Difference:
         """Difference of the runs.
 
+        Args:
+            pieces: what `of_parts` gave for each pair of parts, in order.
+
+        Returns:
+            The difference.
+
         Raises:
             ValueError: there was no frame.
         """
@@ -303,6 +311,12 @@ class DifferenceMeter:
 
     def read(self, pairs: Iterable[tuple[Part, Part]]) -> Difference:
         """Difference of two runs that are given as pairs of parts.
+
+        Args:
+            pairs: parts of both runs with the same times and beads, in order.
+
+        Returns:
+            The difference.
 
         Raises:
             ValueError: there was no frame.

@@ -43,7 +43,7 @@ class LeadingWaves(AnalysisBase):  # type: ignore[misc]  # MDAnalysis has no typ
     def __init__(self, universe: Any, problem: Problem, threshold: float = THRESHOLD, **kwargs: Any) -> None:
         super().__init__(universe.trajectory, **kwargs)
         self._problem = problem
-        self._threshold = threshold
+        self._meter = PeakMeter(threshold)
         self._columns = problem.columns
         atoms = len(recording.all_ids(problem))
         if universe.trajectory.n_atoms != atoms:
@@ -65,7 +65,6 @@ class LeadingWaves(AnalysisBase):  # type: ignore[misc]  # MDAnalysis has no typ
 
     def _prepare(self) -> None:
         self.results = Results(_part=[_Stretch()])  # without those of an earlier run
-        self._meter = PeakMeter(self._threshold)
         self._pending: list[Frame] = []
 
     def _single_frame(self) -> None:
