@@ -30,6 +30,7 @@ class Part:
         before: number of frames before these.
         count: number of these frames.
         start: number of the first of them in the run, from 0.
+        left: number of the beads, from the first on, that a window leaves after these frames; they have 0 afterwards.
 
     Examples:
         >>> frames = engine.run(granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem())
@@ -42,6 +43,7 @@ class Part:
     before: int
     count: int
     start: int
+    left: int = 0
 
     @property
     def frames(self) -> Trajectory:
@@ -94,7 +96,8 @@ def parts_of(blocks: Iterable[Trajectory]) -> Iterator[Part]:
         behind = [] if before is None else [before]
         around = _at_beads_of(block, [*behind, block, *(later[:AFTER] for later in ahead)])
         carried = sum(earlier.frames for earlier in behind)
-        yield Part(around[: carried + block.frames + AFTER], carried, block.frames, start)
+        left = ahead[0].first - block.first if ahead else 0
+        yield Part(around[: carried + block.frames + AFTER], carried, block.frames, start, left)
         before = around[: carried + block.frames].last(BEFORE)
         start += block.frames
 

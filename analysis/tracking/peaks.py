@@ -159,6 +159,8 @@ class PeakMeter(Meter[Brackets, Peaks]):
             last = np.full(v.shape[1:], block.frames)
             np.minimum.at(last, (chain[falls], bead[falls]), frame[falls])
             chosen &= frame <= last[chain, bead]
+        if part.left:  # what the window leaves seems to stop after the last frame
+            chosen &= (frame < part.before + part.count - 1) | (bead + moving.start > part.left)
         frame, chain, bead = frame[chosen], chain[chosen], bead[chosen] + moving.start
         if part.start > 0 or block.frames < 2:
             return frame, chain, bead

@@ -9,10 +9,12 @@ from hypothesis import strategies as st
 from small_problems import problem
 from synthetic_waves import reference
 
+from analysis import motion
 from analysis.meters import AFTER, BEFORE, Meter, measured, parts_of
 from analysis.sharing.energies import FlowMeter, ShareMeter
 from analysis.sharing.impulses import ImpulseMeter
 from analysis.sharing.survey import survey
+from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import Trajectory
 
 
@@ -77,6 +79,18 @@ def test_no_number_depends_on_where_blocks_begin(gapped, places):
     for name in meters:
         for expected, value in zip(arrays(whole[name]), arrays(in_blocks[name]), strict=True):
             np.testing.assert_allclose(value, expected, rtol=0.0, atol=1e-9 if name == "energies" else 0.0)
+
+
+def test_beads_that_a_window_leaves_while_they_quicken_have_no_maximum_there():
+    what = problem(beads=100, window=64, frames=19)
+    time, x = np.arange(20) * what.every, np.zeros((20, what.chains, 64))
+    x += 1e-4 * np.arange(64)[::-1] ** 2
+    v = 0.5 + time[:, np.newaxis, np.newaxis] * motion.acceleration(what.system, x[:1])
+    before = Trajectory(what, time[:10], x[:10], v[:10])
+    after = Trajectory(what, time[10:], x[10:, :, 16:], v[10:, :, 16:], first=17)
+    assert [part.left for part in parts_of([before, after])] == [16, 0]
+    peaks = find_peaks([before, after], direction=1)
+    assert not np.any((peaks.time > 0.0) & (peaks.bead <= 16))
 
 
 def test_a_run_without_frames_has_no_parts_and_no_result():
