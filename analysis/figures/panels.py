@@ -32,7 +32,7 @@ MAX_PANELS = 9
 """Chains that a figure shows at most, see `shown_chains`."""
 
 MAX_PANELS_OF_LATTICE = 25
-"""Likewise of a lattice, where each chain has a panel of its own, which stands as the chain does."""
+"""Chains of a lattice that a figure shows at most, each in a panel that stands as the chain does."""
 
 
 # --- units ------------------------------------------------------------------------------------------------------------

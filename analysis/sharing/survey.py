@@ -110,28 +110,37 @@ class Survey:
     @cached_property
     def peaks_upwards(self) -> Peaks:
         """Peaks of the waves towards higher bead numbers."""
-        return PeakMeter(direction=1).read(self.read())
+        peaks_upwards: Peaks = self._read_alone("peaks_upwards")
+        return peaks_upwards
 
     @cached_property
     def peaks_downwards(self) -> Peaks:
         """Peaks of the waves towards lower bead numbers."""
-        return PeakMeter(direction=-1).read(self.read())
+        peaks_downwards: Peaks = self._read_alone("peaks_downwards")
+        return peaks_downwards
 
     @cached_property
     def impulses(self) -> Impulses | None:
         """Impulses along the way of the leading waves; None where chains are not compared by them."""
-        meter = meter_of(self.problem)
-        return None if meter is None else meter.read(self.read())
+        impulses: Impulses | None = self._read_alone("impulses")
+        return impulses
 
     @cached_property
     def front(self) -> "Front":
         """First bead of the front half of a window over time."""
-        return _FrontMeter().read(self.read())
+        front: Front = self._read_alone("front")
+        return front
 
     @cached_property
     def end(self) -> "End":
         """Time of the last frame, and energy input until then."""
-        return _EndMeter().read(self.read())
+        end: End = self._read_alone("end")
+        return end
+
+    def _read_alone(self, part: str) -> Any:
+        """A part of a first reading, for itself; None where there is none."""
+        meter = _first_meters(self.problem).get(part)
+        return None if meter is None else meter.read(self.read())
 
     @cached_property
     def tracks(self) -> tuple[Pulse, ...]:

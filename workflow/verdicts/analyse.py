@@ -20,11 +20,14 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from analysis.conservation import Conservation, ConservationMeter
+from analysis.figures.panels import Sheet
+from analysis.figures.spacetime import BeadHistory, HistoryMeter, space_time_meter, spacetime_sheet
+from analysis.figures.waves import distance_sheet, response_sheet, shape_sheet
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.meters import Meter
 from analysis.quantity import csv_of
@@ -46,10 +49,6 @@ from workflow.runs.exchange import accountant
 from workflow.runs.run_directory import RunDirectory, digested
 from workflow.verdicts.analysis_report import WAVES, WavesTable, waves_table
 from workflow.verdicts.pulse_table import pulse_table
-
-if TYPE_CHECKING:
-    from analysis.figures.panels import Sheet
-    from analysis.figures.spacetime import BeadHistory
 
 FIGURES = ("spacetime", "response", "distance", "shape", *(kind.figure for kind in MEASUREMENTS if kind.figure))
 """All that an analysis may draw."""
@@ -156,7 +155,7 @@ class MeasuredFrames:
     tolerances: Tolerances
     sha256: str
     tables: dict[str, str]
-    figures: "dict[str, Callable[[], Sheet]]"
+    figures: dict[str, Callable[[], Sheet]]
 
 
 def results_of(directory: RunDirectory, frames: MeasuredFrames, drawn: tuple[Path, ...] = ()) -> Analysis:
@@ -259,8 +258,6 @@ def _refuse_frames(directory: RunDirectory, shown: tuple[int, ...]) -> None:
 
 def _pictures(problem: Problem, shown: tuple[int, ...]) -> dict[str, Meter[Any, Any]]:
     """Figure -> meter of what it shows: velocity in space and time, and of some beads."""
-    from analysis.figures.spacetime import HistoryMeter, space_time_meter  # matplotlib takes half a second to import
-
     return {"spacetime": space_time_meter(problem), "response": HistoryMeter(problem, np.array(shown))}
 
 
@@ -355,12 +352,9 @@ def default_beads(problem: Problem) -> tuple[int, ...]:
 
 
 def _makers(
-    results: Survey, measurements: dict[str, Measurement], spacetime: "BeadHistory", history: "BeadHistory"
-) -> "dict[str, Callable[[], Sheet]]":
+    results: Survey, measurements: dict[str, Measurement], spacetime: BeadHistory, history: BeadHistory
+) -> dict[str, Callable[[], Sheet]]:
     """Name -> function that makes the panels of the figure, of every figure that has something to show."""
-    from analysis.figures.spacetime import spacetime_sheet
-    from analysis.figures.waves import distance_sheet, response_sheet, shape_sheet
-
     problem = results.problem
     system = problem.system
     waves = results.waves if system.holds(Fact.PULSE) else None
