@@ -32,7 +32,6 @@ from lammps_inputs.links import Across, Along, Wall, largest_eigenvalue
 from lammps_inputs.scheme import LARGEST_PHASE, SchemeName
 from lammps_inputs.system import System
 
-
 FARTHEST = 3.0
 """Strain, in units of L, that springs between chains hardly exceed."""
 
