@@ -25,12 +25,23 @@ from analysis import hermite, motion
 from analysis.columns import Columns, together
 from analysis.meters import Meter, Part
 from analysis.tracking.crossings import candidates
-from analysis.tracking.peak_bounds import Brackets, between_pairs, bracketed, no_maxima, on_a_grid, places_of
+from analysis.tracking.peak_bounds import (
+    Brackets,
+    between_pairs,
+    bracketed,
+    no_maxima,
+    on_a_grid,
+    places_of,
+    quickness_of,
+)
 from analysis.trajectory import Flags, Floats, Integers, Trajectory, mirrored_bead
 from lammps_inputs import Problem
 
 THRESHOLD = 1e-3
 """Smallest maximum that counts as a pulse, in units of V."""
+
+SPARSE = 0.7
+"""Time between frames, in the time scale of the fastest motion, beyond which maxima may be hidden anywhere."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +162,8 @@ class PeakMeter(Meter[Brackets, Peaks]):
         around = v[low - 1 : high + 2]
         if len(around) < high - low + 3:
             around = np.concatenate([around, v[-1:]])
-        (frame, chain, bead), falls = candidates(around, self.threshold)
+        everywhere = block.problem.every * quickness_of(block.problem.system) > SPARSE
+        (frame, chain, bead), falls = candidates(around, self.threshold, everywhere=everywhere)
         frame += low
         chosen = ~falls
         chosen[falls] = ~_slows(block, frame[falls], chain[falls], bead[falls] + moving.start, direction)
@@ -166,7 +178,7 @@ class PeakMeter(Meter[Brackets, Peaks]):
             return frame, chain, bead
         fast = v[0] > self.threshold
         if len(v) > 2:
-            (_, *places), _ = candidates(np.concatenate([v[:1], v[:3]]), self.threshold)
+            (_, *places), _ = candidates(np.concatenate([v[:1], v[:3]]), self.threshold, everywhere=everywhere)
             fast[tuple(places)] = True
         chains, beads = np.nonzero(fast)
         return _first_frame((chains, beads + moving.start), (frame, chain, bead))
