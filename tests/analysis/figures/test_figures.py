@@ -8,7 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.text import Text
 from small_problems import problem as small
-from synthetic_waves import reference, surveyed
+from synthetic_waves import of_keys, reference, surveyed
 
 from analysis.conservation import Account
 from analysis.figures.drawing import draw
@@ -30,6 +30,7 @@ from analysis.sharing.energies import Flow
 from analysis.sharing.survey import survey
 from lammps_inputs import Kick
 from lammps_inputs.units import Label, make_scale
+from workflow.engines.reference import engine
 from workflow.formats import written_as
 from workflow.measures.budget import BudgetMeasurement
 from workflow.measures.energy import EnergyMeasurement
@@ -66,6 +67,15 @@ def test_the_distance_figure_shows_the_energies_of_waves_and_chains(found):
     for k, name in enumerate(("chain 1", "chain 2")):
         assert np.array_equal(curves(waves)[name].get_ydata(), found.energies.wave[:, k], equal_nan=True)
         assert np.array_equal(curves(chains)[name].get_ydata(), found.energies.chain[:, k])
+
+
+def test_the_distance_figure_has_no_panel_without_a_curve():
+    recorded = {"beads": [5, 9, 12], "every": 0.2}  # which have no energy, and with a gap no exact waves
+    keys = {"coupling": {"stiffness": 0.1}, "kick": {"velocity": 1.0}, "output": recorded}
+    few = surveyed(engine.run(of_keys(chains=2, beads=20, gap=0.5, duration=40.0, **keys)))
+    panels = distance_sheet(few.problem, few.shared, few.energies).panels
+    assert len(panels) == 2
+    assert all(panel.curves for panel in panels)
 
 
 def test_chains_differ_by_dash_in_every_panel_so_that_grey_tells_them(found):
