@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from analysis.compare.difference import Deviation, DeviationPlace, Uncertainty, errors_of
+from analysis.tracking.peak_bounds import quickness_of
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, physics
 from workflow.engines.reference import engine
@@ -102,7 +103,8 @@ def check(directory: RunDirectory, settings: ChosenStep | None = None) -> Check:
     started = time.perf_counter()
     problem = directory.problem
     little = problem.frames * problem.chains * len(problem.rows.numbers) <= LITTLE
-    step = 1 if little else stride(problem, SPACING if settings is None else CADENCE)
+    spacing = SPACING / quickness_of(problem.system) if settings is None else CADENCE
+    step = 1 if little else stride(problem, spacing)
     deviations, uncertainty = _compared(problem.coarser(step), lambda: directory.blocks(step), settings)
     velocity = deviations["velocity"]
     amplitude, arrival = (
