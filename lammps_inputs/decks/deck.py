@@ -205,7 +205,7 @@ def _refuse_groups(parts: Sequence[str], lines: Sequence[DeckLines]) -> None:
 def _kind(link: Link) -> str:
     """Lines that LAMMPS has for a law on such a link."""
     if isinstance(link, Wall):
-        return next((name for name in ("at_wall", "wall") if getattr(link.law, name) is not None), "exponent")
+        return "at_wall" if link.law.at_wall is not None else "wall"
     return "along" if isinstance(link, Along) else "across" if isinstance(link, Across) else "ground"
 
 

@@ -353,9 +353,10 @@ class AlongChains(FormulaLaw):
             ),
         )
 
-    def wall(self, overlap: str, strength: str) -> str:
-        """Force of a wall at an overlap, in LAMMPS's variables."""
-        u = f"({text(self.kind.direction * float(self.length))}*{overlap})"
+    def wall(self, overlap: str, closed: str, strength: str) -> str:
+        """Force of a wall at an overlap, in LAMMPS's variables; while it is touched where there is no tension."""
+        acting = f"({overlap}*{closed})" if self.kind.cut else f"({overlap})"
+        u = f"({text(self.kind.direction * float(self.length))}*{acting})"
         return (
             f"{strength}*{text(float(self.per_force))}*({_spelled(self, self.derived.force, u, 'variable', 'walls')})"
         )

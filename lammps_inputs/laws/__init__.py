@@ -108,7 +108,8 @@ class Law(Parameters):
         one_number: names of parameters that are the same for all links, and keep their value where there is no link.
         damping, impulse: functions of dashpots (`lammps_inputs.laws.dashpot`); None of other laws.
         along, across, ground: methods that spell the law in LAMMPS; None where it has no such link.
-        at_wall: method that spells walls of this law; ``wall``: one that spells a wall's force at an overlap.
+        wall: method that spells the force of a wall at an overlap; None where LAMMPS has no such wall.
+        at_wall: method that spells walls of this law in another way; None where ``wall`` does.
     """
 
     rest, load, omega = _ZERO, _ZERO, _ZERO

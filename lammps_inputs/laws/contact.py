@@ -17,12 +17,18 @@ LEAST_OVERLAP = 1e-300
 """Overlap in place of 0 in slopes, of which any power is a number: absent links have the exponent 0."""
 
 
+def wall_of_power(law: Law, overlap: str, closed: str, strength: str) -> str:
+    """Force of a wall at an overlap, which counts where the wall is touched, in LAMMPS's variables."""
+    return f"{strength}*({overlap}*{closed})^{text(float(law.exponent))}"
+
+
 class Hertz(Law):
     """``A (s)+^1.5`` with the overlap as strain (Starosvetsky, Hasan & Vakakis, eq. 1: A = 1)."""
 
     strength: Pure = 1.0
     """A, in units of the scale's contact constant."""
     exponent = 1.5
+    wall = wall_of_power
 
     @staticmethod
     def force(s: Any, strength: Any) -> Any:
@@ -127,6 +133,7 @@ class Power(Law):
     """A, in units of the scale's contact constant."""
     exponent: Pure
     """p, a number or [chain, contact]."""
+    wall = wall_of_power
 
     @staticmethod
     def force(s: Any, strength: Any, exponent: Any) -> Any:
@@ -247,10 +254,7 @@ def _push(name: str, hard: str, face: float, g: str, model: str, link: Any, layo
         return [f"fix {name} {name} {granular(f'hertz $({hard}/{text(float(np.sqrt(radius)))}:%.17g)')}"]
     touched = text(face - link.side * radius)
     overlap, closed = (f"(x-{touched})", f"(x>{touched})") if right else (f"({touched}-x)", f"(x<{touched})")
-    if law.wall is None:
-        force = f"{hard}*({overlap}*{closed})^{text(law.exponent)}"
-    else:
-        force = law.wall(f"({overlap}*{closed})" if law.kind.cut else f"({overlap})", hard)
+    force = law.wall(overlap, closed, hard)
     return [
         f"variable {name}_push atom {'-' * right}{force}",
         f"fix {name} {name} addforce v_{name}_push 0.0 0.0",

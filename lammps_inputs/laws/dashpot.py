@@ -1,7 +1,7 @@
 """Dashpots: forces against the rate at which a link's strain changes, which take energy away.
 
-A law of damping is a `Damping`, which declares parameters as a law of force does, numbers or arrays over links, and has
-functions of strain, rate of strain and the parameters:
+A law of damping is a `DashpotLaw`, which declares parameters as a law of force does, numbers or arrays over links,
+and has functions of strain, rate of strain and the parameters:
 
 - ``damping(s, rate, ...)``: what drives the link's first bead back and its second forward; ``damping * rate`` is the
   power that is dissipated, never less than 0;
@@ -46,7 +46,7 @@ LEAST = 1e-4
 """Overlap below which a resistance grows no faster than there."""
 
 
-class Damping(Law):
+class DashpotLaw(Law):
     """Force of a dashpot, and what a law of damping is where it does not say otherwise.
 
     Attributes:
@@ -58,7 +58,7 @@ class Damping(Law):
     each_pair = False
 
 
-class Dashpot(Damping):
+class Dashpot(DashpotLaw):
     """``gamma s'`` at any strain."""
 
     coefficient: Annotated[Parameter, Dimension("force", "velocity")]
@@ -139,7 +139,7 @@ class Dashpot(Damping):
         return DeckLines(motion=tuple(lines))
 
 
-class ContactDashpot(Damping):
+class ContactDashpot(DashpotLaw):
     """``g s'`` while the beads touch (Rosas, Romero, Nesterenko & Lindenberg, Phys. Rev. Lett. 98, 2007)."""
 
     coefficient: Parameter
@@ -168,7 +168,7 @@ class ContactDashpot(Damping):
         return float(np.max(self.coefficient)), "damping velocity" + _limit(self.tensile_limit)
 
 
-class Viscoelastic(Damping):
+class Viscoelastic(DashpotLaw):
     """``b s**0.5 s'`` (Kuwabara & Kono 1987; Brilliantov, Spahn, Hertzsch & Poeschel 1996)."""
 
     coefficient: Parameter
@@ -199,7 +199,7 @@ class Viscoelastic(Damping):
         return unit * float(np.max(self.coefficient)), "damping viscoelastic" + _limit(self.tensile_limit)
 
 
-class Restitution(Damping):
+class Restitution(DashpotLaw):
     """``a s**0.25 s'``: two beads part with the same share of any speed (Tsuji 1992; Antypov & Elliott 2011)."""
 
     coefficient: Parameter
@@ -229,7 +229,7 @@ class Restitution(Damping):
         return self.share, "damping coeff_restitution"
 
 
-class LinearRestitution(Damping):
+class LinearRestitution(DashpotLaw):
     """``g s'`` while beads touch that repel linearly and differ: each pair parts with the same share of any speed."""
 
     coefficient: Parameter
@@ -349,7 +349,7 @@ def _limit(tensile_limit: Parameter) -> str:
     return " limit_damping" if np.min(tensile_limit) < NO_LIMIT else ""
 
 
-class WallDashpot(Damping):
+class WallDashpot(DashpotLaw):
     """``(g + b o**0.5 + a o**0.25) s'`` at an overlap ``o = s + rest`` above 0; see `ContactDashpot` and so on."""
 
     by_rate: Parameter

@@ -12,7 +12,7 @@ import numpy as np
 
 from lammps_inputs.deck_lines import BeadLayout, DeckLines
 from lammps_inputs.laws import Law, Parameter, Pure
-from lammps_inputs.laws.contact import LEAST_OVERLAP, Hertz, Power
+from lammps_inputs.laws.contact import LEAST_OVERLAP, Hertz, Power, wall_of_power
 from lammps_inputs.laws.plastic import Thornton
 from lammps_inputs.units import Dimension
 
@@ -32,6 +32,7 @@ class Preloaded(Law):
     load: Annotated[Parameter, Dimension("force")]
     """F0, to the last bit what the first term is at s = 0."""
     exponent = 1.5
+    wall = wall_of_power
 
     @staticmethod
     def force(s: Any, strength: Any, rest: Any, load: Any) -> Any:
@@ -78,6 +79,7 @@ class PreloadedPower(Law):
     """d0, the overlap at rest, never quite 0."""
     load: Annotated[Parameter, Dimension("force")]
     """F0."""
+    wall = wall_of_power
 
     @staticmethod
     def force(s: Any, strength: Any, exponent: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
