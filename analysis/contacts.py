@@ -63,7 +63,7 @@ class OverlapMeter(Meter[LargestOverlap, LargestOverlap]):
             place = problem.beads - 1 if link.side > 0.0 else 0
             law = laws.at(link.law, np.arange(problem.chains), place)
             strain = np.max(link.side * block.displacement[..., place], axis=0)
-            largest[:] = strain - link.gap + laws.rest(law)
+            largest[:] = strain - link.gap + law.rest
         moving = slice(0, problem.beads) if physics.loaded(system) else block.moving  # beads at rest touch, or overlap
         x = block.displacement[..., moving]
         each = None if physics.one_kind(system) else np.full((problem.chains, problem.beads - 1), -math.inf)

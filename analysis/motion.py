@@ -41,7 +41,7 @@ def overlaps(system: System, displacement: Floats, first: int = 1) -> Floats:
 
 def rest_overlap(system: System, chain: Integers, contact: Integers) -> Any:
     """Overlap at rest at positions (chain, contact) from 0, of their shape or a number; the last contact beyond it."""
-    rest = laws.rest(system.along[0].law)
+    rest = system.along[0].law.rest
     return rest[chain, np.clip(contact, 0, system.beads - 2)] if np.ndim(rest) else rest
 
 
@@ -149,7 +149,7 @@ def contact_force(system: System, overlap: Floats, *contact: Integers | slice) -
 
 def static_force(system: System, *contact: Any) -> Any:
     """Force of chosen contacts at rest; see `contact_force`."""
-    return sum(laws.load(laws.at(link.law, *contact)) for link in system.along)
+    return sum(laws.at(link.law, *contact).load for link in system.along)
 
 
 def momentum(system: System, velocity: Floats) -> Floats:
@@ -241,7 +241,7 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
                 rate -= laws.stiffness(law, bead_x - other_x) * (bead_v - other_v)
     for ground in system.ground:
         law, strain = contact_law(block, ground, frame, chain, row), ground.strain(bead_x)
-        if laws.varies(law):
+        if law.varies:
             law = law.now(block.time[frame])
             rate -= law.change(strain, *law)
         acceleration -= ground.side * laws.force(law, strain)

@@ -21,7 +21,7 @@ def layout_of(system: System) -> BeadLayout:
         rows=system.beads,
         gap=physics.gap(system),
         diameter=_diameter(system),
-        rest=laws.rest(system.along[0].law),
+        rest=system.along[0].law.rest,
         even=physics.even(system),
         farthest=physics.farthest(system),
         group="all" if physics.lines(system) == system.chains else "beads",
@@ -54,10 +54,10 @@ def _diameter(system: System) -> float:
     for one overlap to reach half of it.
     """
     total, farthest = physics.energy(system), physics.farthest(system)
-    law, rest = system.along[0].law, float(np.max(laws.rest(system.along[0].law)))
+    law, rest = system.along[0].law, float(np.max(system.along[0].law.rest))
     alone, shared = (rest + laws.max_strain(law, energy) for energy in (total, total / 2.0))
     held = (link.law for link in physics.walls(system))
-    walls = (2.0 * float(np.max(laws.rest(law) + law.max_strain(total, *law))) for law in held)
+    walls = (2.0 * float(np.max(law.rest + law.max_strain(total, *law))) for law in held)
     # dashpots between chains act by the distance of two beads
     damped = any(isinstance(link, Across) and not system.is_tie(link) for link in system.dampers)
     rows = (rest + 2.0 * laws.max_strain(link.law, total) for link in system.couplings if damped)

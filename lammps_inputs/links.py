@@ -75,9 +75,9 @@ class Link:
 
     def at(self, time: Any) -> Self:
         """Links at a time, a number or [...]; their law then does not depend on time."""
-        if not laws.varies(self.law):
+        if not self.law.varies:
             return self
-        return replace(self, law=self.law.now(np.asarray(time)[..., np.newaxis, np.newaxis]))  # type: ignore[attr-defined]
+        return replace(self, law=self.law.now(np.asarray(time)[..., np.newaxis, np.newaxis]))
 
     def drive(self, total: Floats, force: Floats) -> None:
         """Add to ``total``, [..., chain, bead], what forces of the links do to the beads."""
@@ -103,8 +103,7 @@ class Link:
         """Rate of change of the force of each link, [..., link], in units of m V / T**2."""
         law: Any = self._seen(displacement, 1)
         s = self.strain(displacement)
-        rate = np.asarray(laws.stiffness(law, s) * self.rate(velocity))
-        return rate + law.change(s, *law) if hasattr(law, "change") else rate
+        return np.asarray(laws.stiffness(law, s) * self.rate(velocity) + law.change(s, *law))
 
     def damping(self, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
         """Force of each dashpot, [..., link], which is 0 at rest."""
@@ -119,7 +118,7 @@ class Link:
     def given(self, displacement: Floats, first: int = 1) -> Floats:
         """Impulse of each dashpot, [..., link], in units of m V, since its strain was 0, as if no tension were cut."""
         law = self._seen(displacement, first)
-        return np.asarray(law.impulse(self.strain(displacement), *law))  # type: ignore[attr-defined]
+        return np.asarray(law.impulse(self.strain(displacement), *law))
 
     def rate(self, velocity: Floats) -> Floats:
         """Rate of the strain of each link, [..., link], in units of V; the strain is linear in the displacements."""
@@ -149,7 +148,7 @@ class Along(Link):
 
     def overlap(self, displacement: Floats, first: int = 1) -> Floats:
         """Overlap of each bead with the next, [..., chain, contact], that at rest included."""
-        return np.asarray(self.strain(displacement) + laws.rest(self._seen(displacement, first)))
+        return np.asarray(self.strain(displacement) + self._seen(displacement, first).rest)
 
     def drive(self, total: Floats, force: Floats) -> None:
         """Add to ``total``, [..., chain, bead]: contacts push beads of higher numbers forward, of lower ones back."""

@@ -7,13 +7,13 @@ any time step, also where the force begins and ends within one; the error still 
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from lammps_inputs import file_names
 from lammps_inputs.deck_lines import BeadLayout, DeckLines
-from lammps_inputs.laws import in_time, table_lines
+from lammps_inputs.laws import table_lines
 from lammps_inputs.laws.in_time import Sine, TabulatedForce, TimeLaw
 from lammps_inputs.numbers import text
 
@@ -75,7 +75,7 @@ class Load:
 
     def mirrored(self, bead: int) -> "Load":
         """The opposite force on another bead."""
-        return replace(self, bead=bead, law=in_time.opposite(self.law))
+        return replace(self, bead=bead, law=self.law.opposite)
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ def include_lines(system: Any) -> tuple[str, ...]:
 def _long_tables(system: Any) -> Iterator[tuple[str, TabulatedForce]]:
     """Name and law of each load whose table is too long for a formula."""
     for number, load in enumerate(system.loads, 1):
-        if isinstance(load.law, TabulatedForce) and load.law.long:
+        if load.law.long:
             yield f"push{number}", load.law
 
 
@@ -185,11 +185,11 @@ def start_lines(motions: Sequence[Motion], layout: BeadLayout) -> list[str]:
 
 def _push_lines(load: Load, name: str, layout: BeadLayout) -> DeckLines:
     first, last = text(load.law.kinks[0]), text(load.law.kinks[-1])
-    variables = in_time.variables(load.law, name)
+    variables = load.law.variables(name)
     lookup: tuple[str, ...] = ()
     since: tuple[str, ...] = ()
-    if isinstance(load.law, TabulatedForce) and load.law.long:
-        lookup, since = table_lines.lines(load.law, name), (table_lines.SINCE,)
+    if load.law.long:
+        lookup, since = table_lines.lines(cast(TabulatedForce, load.law), name), (table_lines.SINCE,)
     if variables and not load.endless:
         last = f"v_{name}duration"
 

@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 from lammps_inputs import laws
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws.dashpot import ContactLoss, WallDashpot
-from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Across, Along, Ground, Link, Wall
 from lammps_inputs.system import System
 
@@ -122,8 +121,8 @@ def slowest_tied(system: System) -> float:
     """Least angular frequency of a tied atom on a linear spring, its bead held; infinite where there is none."""
     slowest, mass_of_line = math.inf, np.broadcast_to(masses(system), (lines(system), system.beads))
     for link in system.ties:
-        if isinstance(link.law, Linear):
-            spring = np.broadcast_to(link.law.spring, (len(link.edges), system.beads))
+        if link.law.linear:
+            spring = np.broadcast_to(laws.stiffness(link.law, 0.0), (len(link.edges), system.beads))
             mass = mass_of_line[[higher for _, higher in link.edges]]
             present = (spring > 0.0) & (mass > 0.0)
             slowest = min(slowest, math.sqrt(float(np.min(spring[present] / mass[present], initial=math.inf))))
@@ -144,10 +143,7 @@ def why_no_pulse(system: System) -> str:
 @once
 def farthest(system: System) -> float:
     """How much farther apart than at rest neighbours that act at a distance come, at most; 0 where none do."""
-    return max(
-        (float(link.law.farthest(energy(system))) for link in system.along if hasattr(link.law, "farthest")),
-        default=0.0,
-    )
+    return max((float(link.law.farthest(energy(system))) for link in system.along), default=0.0)
 
 
 def uniform(system: System) -> bool:
@@ -241,19 +237,19 @@ def gap(system: System) -> float:
 
 def exponent(system: System) -> float | None:
     """Exponent of the overlap in the force of all contacts; None where that is no power, or contacts differ."""
-    power = laws.exponent(system.along[0].law) if len(system.along) == 1 else None
+    power = system.along[0].law.exponent if len(system.along) == 1 else None
     return None if isinstance(power, np.ndarray) else power
 
 
 @once
 def loaded(system: System) -> bool:
     """Whether contacts are loaded at rest, so that there is sound."""
-    return any(np.any(laws.load(link.law)) for link in system.along)
+    return any(np.any(link.law.load) for link in system.along)
 
 
 def even(system: System) -> bool:
     """Whether all neighbouring beads are equally far apart at rest."""
-    return not any(np.ndim(laws.rest(link.law)) for link in system.along)
+    return not any(np.ndim(link.law.rest) for link in system.along)
 
 
 @once
@@ -313,7 +309,7 @@ def at_contact_state(system: System, states: NDArray[np.float64]) -> System:
 def dissipated_by_contacts(system: System) -> Any:
     """Energy dissipated by contacts and walls, [...], in their states; 0.0 where they have none."""
     links = contacts_with_state(system)
-    energies = [link.law.dissipated(*link.law) for link in links]  # type: ignore[attr-defined]
+    energies = [link.law.dissipated(*link.law) for link in links]
     return sum((np.sum(energy, axis=(-2, -1)) if np.ndim(energy) else energy for energy in energies), 0.0)
 
 
@@ -351,7 +347,7 @@ def wall_loss(system: System, side: float) -> WallDashpot | None:
 @once
 def varying(system: System) -> bool:
     """Whether any spring to the ground depends on time."""
-    return any(laws.varies(link.law) for link in system.ground)
+    return any(link.law.varies for link in system.ground)
 
 
 def at(system: System, time: Any) -> System:
@@ -366,7 +362,7 @@ def at(system: System, time: Any) -> System:
         law: Any = link.at(time).law
         return replace(link, law=type(law)(*(np.broadcast_to(value, shape) for value in law)))
 
-    return replace(system, links=tuple(at_time(link) if laws.varies(link.law) else link for link in system.links))
+    return replace(system, links=tuple(at_time(link) if link.law.varies else link for link in system.links))
 
 
 # --- dashpots ---------------------------------------------------------------------------------------------------------
@@ -404,10 +400,7 @@ def kappa(system: System) -> float:
 def open_row(system: System) -> bool:
     """Whether the chains stand in a row, each tied to the next by equal linear springs; or none to another."""
     return all(
-        isinstance(link.law, Linear)
-        and not laws.differs(link.law)
-        and link.open_row
-        and len(link.edges) == system.chains - 1
+        link.law.linear and not laws.differs(link.law) and link.open_row and len(link.edges) == system.chains - 1
         for link in system.couplings
     )
 

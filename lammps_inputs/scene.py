@@ -33,7 +33,6 @@ from lammps_inputs.ingredients.unequal import (
     Taper,
     masses_and_strengths,
 )
-from lammps_inputs.laws import in_time
 from lammps_inputs.limits import solids as limits_of_material
 from lammps_inputs.limits.closing import never_closes
 from lammps_inputs.limits.rates import timestep_for
@@ -574,7 +573,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
         loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(setting))
         motions = tuple(motion for ingredient in self.ingredients for motion in ingredient.motions(setting))
         taken = {fact for ingredient in self.ingredients for fact in ingredient.lacks(setting)}
-        taken |= {Fact.SECOND_ORDER} if any(in_time.jumps(load.law) for load in loads) else set()
+        taken |= {Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set()
         further_mass, ties, dashpots = self._in_lines([atoms for _, atoms in self._further_atoms])
         taken |= plastic.taken_away(setting, touching[0].law)
         system = System(

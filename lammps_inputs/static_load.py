@@ -59,7 +59,7 @@ def under_load(system: System, force: NDArray[np.float64]) -> System:
     loaded = replace(loaded, dampers=tuple(_damped(link, loaded) for link in system.dampers))
     wanted = force[:, 1:-1]
     for link in loaded.along:
-        off = np.max(np.abs(laws.load(link.law) - wanted) / np.where(wanted > 0.0, wanted, np.inf))
+        off = np.max(np.abs(link.law.load - wanted) / np.where(wanted > 0.0, wanted, np.inf))
         if off > FINEST:
             raise LoadError(
                 f"{np.min(wanted[wanted > 0.0]):.3g} times m V / T, the unit of the kick's forces: so small that "
@@ -94,7 +94,7 @@ def _damped(link: Link, system: System) -> Link:
     if not isinstance(link, Along | Wall):
         return link
     beside = system.along[0] if isinstance(link, Along) else physics.wall_at(system, link.side)
-    return replace(link, law=link.law._replace(rest=laws.rest(beside.law)))  # type: ignore[attr-defined]
+    return replace(link, law=replace(link.law, rest=beside.law.rest))  # type: ignore[call-arg]
 
 
 def place_lines(system: System) -> list[str]:
@@ -106,7 +106,7 @@ def hold_lines(system: System) -> list[str]:
     """Counters the forces at rest; after all other fixes, and before anything moves or is pushed."""
     if not physics.loaded(system):
         return []
-    load = [float(find(laws.load(link.law))) for link in system.along for find in (np.min, np.max)]
+    load = [float(find(link.law.load)) for link in system.along for find in (np.min, np.max)]
     forces = f"{load[0]:.6g}" if load[0] == load[1] else f"{load[0]:.6g} to {load[1]:.6g}"
     lines = [
         f"# static load: contact forces at rest {forces}; the resultants found at rest are subtracted",

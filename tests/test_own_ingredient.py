@@ -22,21 +22,21 @@ TESTS = Path(__file__).parent
 OWN = '''
 """Springs of the fifth power, stiffer contacts, a mass inside each bead, contacts with a state."""
 
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import FurtherAtoms, Ingredient, Positive
-from lammps_inputs.laws import Parameter, Pure, dimensionless, formula
+from lammps_inputs.laws import Law, Parameter, Pure, dimensionless, formula
 from lammps_inputs.laws.plastic import LargestOverlap
 from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Across, Ground
 from lammps_inputs.units import Dimension
 
 
-class Quintic(NamedTuple):
+class Quintic(Law):
     """``q s**5``."""
 
     quintic: Annotated[Parameter, Dimension("stiffness", length=-4)]
@@ -78,7 +78,7 @@ class Bed(Ingredient):
         return (Ground("bed", dimensionless(Quintic(self.quintic), scene.scale)),)
 
 
-class Stiffening(NamedTuple):
+class Stiffening(Law):
     """``A s**1.5 (1 + b s)``."""
 
     strength: Pure
@@ -130,7 +130,7 @@ class Masses(Ingredient):
         return self.takes_away
 
 
-class Worn(NamedTuple):
+class Worn(Law):
     """``s**1.5`` at first; what was pressed to d falls to nothing at ``share * d``."""
 
     strength: Pure
@@ -179,7 +179,7 @@ class Wear(Ingredient):
         return self.takes_away
 
 
-class Incomplete(NamedTuple):
+class Incomplete(Law):
     """A contact with a state that does not say where unloading ends."""
 
     strength: Pure

@@ -34,7 +34,6 @@ from analysis.files.dump_layout import sizes
 from lammps_inputs import Problem, physics
 from lammps_inputs.deck_lines import DeckLines
 from lammps_inputs.decks import deck
-from lammps_inputs.laws.in_time import TabulatedForce
 from lammps_inputs.rows import Rows
 
 MEMORY = 1000
@@ -127,9 +126,9 @@ def step_seconds(problem: Problem) -> tuple[float, float]:
         Seconds whatever the number of beads; and seconds for each bead of a rank.
     """
     system = problem.system
-    tables = [load.law for load in system.loads if isinstance(load.law, TabulatedForce)]
+    tables = [load.law for load in system.loads if load.law.points]
     fixed = STEP + FORMULA * (len(system.loads) - len(tables))
-    fixed += sum(VECTORS if law.long else POINT * len(law.time) for law in tables)
+    fixed += sum(VECTORS if law.long else POINT * law.points for law in tables)
     fixed += MOTION * len(system.motions)
     bead = bead_seconds(problem) + LOADED * physics.loaded(system)
     bead += DAMPED * (physics.contact_loss(system) is not None)

@@ -27,7 +27,6 @@ from analysis.compare.momentum import (
     name_of_load,
 )
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import laws
 from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Across, Along, Ground, Link
 from lammps_inputs.loads import Load
@@ -386,7 +385,7 @@ def _of_exponent(
 ) -> tuple[str, Callable[[float], ForceOfState]] | None:
     """Contacts of a power of the overlap, without a static load, or linear springs, that have another power."""
     link, lines, force = part.link, equations.lines(part.link), equations.force(part.link)
-    if not (hasattr(link.law, "exponent") or isinstance(link.law, Linear)) or np.any(laws.load(link.law)):
+    if (link.law.exponent is None and not link.law.linear) or np.any(link.law.load):
         return None
 
     def of(change: float) -> ForceOfState:
@@ -402,7 +401,7 @@ def _of_exponent(
 def _of_gap(equations: MomentumEquations, part: LinkImpulses) -> tuple[str, Callable[[float], ForceOfState]] | None:
     """Contacts without a static load that close at another distance of the beads."""
     link = part.link
-    if not isinstance(link, Along) or np.any(laws.load(link.law)) or not hasattr(link.law, "exponent"):
+    if not isinstance(link, Along) or np.any(link.law.load) or link.law.exponent is None:
         return None
     return "gap", lambda change: equations.force(replace(link, gap=link.gap + change))
 
@@ -446,7 +445,7 @@ def _other_course(equations: MomentumEquations, load: Load, noise: float) -> Exp
         departures = (
             other_parameters(
                 name_of_load(load),
-                load.law._asdict(),
+                dict(zip(load.law.names, load.law, strict=True)),
                 lambda *parameters: np.diff(load.law.impulse(times, *parameters)),
                 np.diff(load.impulse(times)) + residual,
                 max(NOISE * noise, EXPLAINED * _norm(residual)),

@@ -118,7 +118,7 @@ class MomentumEquations:
     def force(self, link: Link) -> ForceOfState:
         """Force of links or dashpots as a function of time and state."""
         lines = self.lines(link)
-        if hasattr(link.law, "damping"):
+        if link.law.damping is not None:
             return lambda _, x, v: link.damping(x[:, lines], v[:, lines])
         return lambda time, x, _: link.at(time).force(x[:, lines])
 
@@ -132,11 +132,11 @@ class MomentumEquations:
         """Impulses of all links; of those that depend on time, of what does not and of what does apart."""
         x, system = self.trajectory.atoms[0], self.system
         elastic = [_under(link, self.load) for link in system.links]
-        varying = [link for link in elastic if laws.varies(link.law)]
-        steady = {link: replace(link, law=link.law.steady) for link in varying}  # type: ignore[attr-defined]
+        varying = [link for link in elastic if link.law.varies]
+        steady = {link: replace(link, law=link.law.steady) for link in varying}
         missing = list(_missing(system))
         every = [*elastic, *steady.values(), *system.dampers, *missing]
-        exact = [link for link in every if hasattr(link.law, "impulse") and not dashpot.cut(link.law)]
+        exact = [link for link in every if link.law.impulse is not None and not dashpot.cut(link.law)]
         others = [link for link in every if link not in exact]
         impulses = dict(zip(others, integrals(self.trajectory, list(map(self.force, others))), strict=True))
         impulses |= {link: np.diff(link.given(x[:, self.lines(link)]), axis=0) for link in exact}
@@ -169,12 +169,12 @@ class MomentumEquations:
 
     def _of_static_load(self) -> Iterator[MomentumTerm]:
         """Static forces from outside, and the static load in the contacts, in which the equations are not linear."""
-        bearing = [link for link in self.system.links if np.any(laws.load(link.law))]
+        bearing = [link for link in self.system.links if np.any(link.law.load)]
         if not bearing:
             return
         outside = np.zeros_like(self.change)
         for link in bearing:
-            load = np.broadcast_to(laws.load(link.law), link.strain(self.trajectory.displacement[1:]).shape)
+            load = np.broadcast_to(link.law.load, link.strain(self.trajectory.displacement[1:]).shape)
             link.drive(outside[:, : self.system.chains], -load)
         spacing = np.diff(self.trajectory.time)[:, np.newaxis, np.newaxis]
         yield MomentumTerm(HOLDING, self._but_for_driven(outside * spacing))
@@ -224,7 +224,7 @@ def name_of_beads(mass: float) -> str:
 
 def _under(link: Link, load: float) -> Link:
     """Links with their static load multiplied by a factor."""
-    return link if load == 1.0 or not np.any(laws.load(link.law)) else replace(link, law=pressed(link.law, load))
+    return link if load == 1.0 or not np.any(link.law.load) else replace(link, law=pressed(link.law, load))
 
 
 def _missing(system: System) -> Iterator[Link]:
@@ -235,7 +235,7 @@ def _missing(system: System) -> Iterator[Link]:
         yield Ground("foundation", Linear(1.0))
     if physics.contact_loss(system) is None:
         contacts = system.along[0]
-        dashpot_law = ContactDashpot(1.0, rest=laws.rest(contacts.law))
-        yield Along("contact_damping", dashpot_law, gap=contacts.gap)  # type: ignore[arg-type]
+        dashpot_law = ContactDashpot(1.0, rest=contacts.law.rest)
+        yield Along("contact_damping", dashpot_law, gap=contacts.gap)
     if all(isinstance(link, Along | Across | Wall) for link in system.dampers):
-        yield Ground("bead_damping", Dashpot(1.0))  # type: ignore[arg-type]
+        yield Ground("bead_damping", Dashpot(1.0))

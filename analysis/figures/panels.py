@@ -25,7 +25,6 @@ import numpy as np
 from analysis.quantity import declare, declared, result
 from analysis.trajectory import Flags, Floats, Integers
 from lammps_inputs import Problem, laws, physics
-from lammps_inputs.laws import spring
 from lammps_inputs.units import REDUCED, SI, Label, thousands
 
 MAX_PANELS = 9
@@ -391,7 +390,7 @@ def _load(problem: Problem) -> list[str]:
     """Static load of the contacts, in words; none without one."""
     if not physics.loaded(problem.system):
         return []
-    forces = np.concatenate([np.ravel(laws.load(link.law)) for link in problem.system.along])
+    forces = np.concatenate([np.ravel(link.law.load) for link in problem.system.along])
     ends = [problem.scale.written(float(force), "force", ".4g") for force in (np.min(forces), np.max(forces))]
     return [f"static load {ends[1]}" if ends[0] == ends[1] else f"static load {ends[0]} to {ends[1]}"]
 
@@ -412,7 +411,7 @@ def _coupling(problem: Problem) -> str:
     least, largest = float(np.min(at_rest)), float(np.max(at_rest))
     symbol = "\\kappa" if problem.scale.time == 1.0 else "\\kappa = k T^2 / m"
     text = f"${symbol}$ = {largest:.4g}" if least == largest else f"${symbol}$ = {least:.3g} to {largest:.3g}"
-    polynomial = all(isinstance(link.law, spring.Linear | spring.Duffing) for link in problem.system.couplings)
+    polynomial = all(link.law.linear or "cubic" in link.law.names for link in problem.system.couplings)
     text += (" and cubic" if polynomial else ", nonlinear") if np.any(pulled != still) else ""
     text += f" in rows {rows[0]} to {rows[-1]}" if len(rows) < problem.beads else ""
     return ", ".join([text, *(link.shape for link in problem.system.couplings if link.shape)])

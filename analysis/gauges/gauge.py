@@ -128,9 +128,9 @@ def _at_wall(system: System, link: Wall) -> Probe:
     def force(strain: Floats, chain: Integers, contact_state: Any) -> Floats:
         """Total force on the wall, of the strain's shape [chain, ...]."""
         law = _at_state(laws.at(link.law, chain, place), contact_state)
-        return np.asarray(laws.force(law, strain - link.gap) + laws.load(law))
+        return np.asarray(laws.force(law, strain - link.gap) + law.load)
 
-    static = np.broadcast_to(laws.load(laws.at(link.law, np.arange(system.chains), place)), system.chains)
+    static = np.broadcast_to(laws.at(link.law, np.arange(system.chains), place).load, system.chains)
     behind, ahead = (system.beads, 0) if right else (0, 1)
     loss = _loss(physics.wall_loss(system, link.side), place, link.gap)
     return Probe(behind, ahead, force, static, loss, system.beads if right else 0)

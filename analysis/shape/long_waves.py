@@ -129,7 +129,7 @@ class LoadedSpeed:
     """
 
     def __init__(self, system: System) -> None:
-        rest = np.broadcast_to(sum(laws.rest(link.law) for link in system.along), (system.chains, system.beads - 1))
+        rest = np.broadcast_to(sum(link.law.rest for link in system.along), (system.chains, system.beads - 1))
         self.sound = sound_speed(system)
         self.rest = _at_beads(_smooth(rest, _near(system)))
         self._table = _table(physics.exponent(system) or 1.5)

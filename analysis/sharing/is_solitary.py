@@ -202,7 +202,7 @@ def _as_reference_beads(problem: Problem, chain: int, bead: int) -> bool:
     if not has_wave(system):
         return False
     near = slice(max(0, bead - math.ceil(REACH)), bead + math.ceil(REACH) + 1)
-    strength = (laws.at(link.law, chain, near) for link in system.along)
+    strengths = (laws.strength(laws.at(link.law, chain, near)) for link in system.along)
     return physics.alike(system) or bool(
-        np.all(physics.mass_of(system, chain, near) == 1.0) and all(np.all(np.equal(law[0], 1.0)) for law in strength)
+        np.all(physics.mass_of(system, chain, near) == 1.0) and all(np.all(np.equal(a, 1.0)) for a in strengths)
     )

@@ -30,7 +30,6 @@ from analysis.sharing.impulses import compared_by_impulses
 from analysis.tracking.undisturbed import CLEAR
 from lammps_inputs import Problem, laws, physics
 from lammps_inputs.facts import Fact
-from lammps_inputs.laws.spring import Linear
 
 SINGLE_CHAIN = 0.6816315
 """Amplitude far down a single chain whose first bead was kicked with V = 1."""
@@ -74,10 +73,10 @@ def stiffness_of_springs(problem: Problem, chain: int) -> float | None:
     """Stiffness of all springs of a chain (from 0) together; None if they are not linear or differ from row to row."""
     total = 0.0
     for link in problem.system.couplings:
-        if not isinstance(link.law, Linear):
+        if not link.law.linear:
             return None
         for edge, ends in enumerate(link.edges):
-            spring = laws.at(link.law, edge).spring
+            spring = laws.stiffness(laws.at(link.law, edge), 0.0)
             if np.ptp(spring) != 0.0:
                 return None
             total += float(np.max(spring)) if chain in ends else 0.0

@@ -11,6 +11,7 @@ These forces begin with powers that are larger by one and by two, at beads whose
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import lru_cache, partial
 from typing import Any
 
@@ -145,14 +146,14 @@ def _begun(block: Trajectory, start: Integers, chain: Integers, bead: Integers, 
     for wall in physics.walls(system):
         law = motion.contact_law(block, wall, at, chain, place)
         has_contact = place == (problem.beads - 1 if wall.side > 0.0 else 0)
-        overlap, closing = wall.strain(x) + laws.rest(law), wall.rate(v)
+        overlap, closing = wall.strain(x) + law.rest, wall.rate(v)
         forces = partial(_of_wall, law, physics.wall_loss(system, wall.side), chain, place)
         off += np.where(has_contact, _pressing(law, forces, integrations, overlap, closing, block.spacing), 0.0)
         if loss := _cutting(physics.wall_loss(system, wall.side), chain, place):
             states = np.stack([overlap, closing, wall.rate(acceleration(bead))])
             off += np.where(has_contact, _cut(law, loss, states, block.spacing, integrations), 0.0)
     for ground in physics.ground_springs(system):
-        if laws.varies(ground.law) and not integrations:
+        if ground.law.varies and not integrations:
             off += _bent(laws.at(ground.law, chain, place), np.abs(x).max(axis=0), block.time[at])
     return np.asarray(off / physics.mass_of(system, chain, place))
 
@@ -209,7 +210,7 @@ def _cut(elastic: Any, loss: Any, states: Floats, spacing: float, integrations: 
         integrations: as in `_begun`.
     """
     overlap, rate, quickening = states
-    strain = overlap - laws.rest(elastic)
+    strain = overlap - elastic.rest
     gone = dashpot.lets_go(loss, strain, rate) | (overlap <= 0.0)
     force = laws.whole_force(elastic, overlap) + dashpot.damping(loss, strain, rate)
     slope = laws.stiffness(elastic, strain) * rate + dashpot.change(loss, strain, rate, quickening)
@@ -229,7 +230,7 @@ def _by_yielding(law: Any, overlap: Floats, closing: Floats, spacing: float) -> 
     loads = laws.loading(law, overlap, closing)
     ends, goes_on = loads[0] & ~loads[1], loads[1] & ~loads[0]
     law = laws.at_state(law, np.where(ends, state[1], state[0]))
-    strain = laws.turning_overlap(law) - laws.rest(law)
+    strain = laws.turning_overlap(law) - law.rest
     up, down = (laws.stiffness(laws.on_branch(law, sign), strain) for sign in (1.0, -1.0))
     jump, fastest, turn = np.abs(up - down), np.abs(closing).max(axis=0), np.abs(closing[0] - closing[1])
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -254,15 +255,15 @@ def _of_contacts(problem: Problem, chain: Integers, contact: Integers, overlap: 
     yield physics.exponent(system) or 1.5, motion.contact_force(system, overlap, chain, contact)
     loss: Any = physics.contact_loss(system)
     if loss is not None:
-        yield _of_dashpot(laws.at(loss, chain, contact)._replace(rest=0.0), overlap, rate)
+        yield _of_dashpot(replace(laws.at(loss, chain, contact), rest=0.0), overlap, rate)
 
 
 def _of_wall(law: Any, loss: Any, chain: Integers, bead: Integers, overlap: Floats, rate: Floats) -> Forces:
     """Exponent in time with which each force of a wall begins, and the force at this overlap and rate, [bead]."""
-    power = laws.exponent(law)
+    power = law.exponent
     yield power or 1.5, laws.whole_force(law, overlap) if power is None else law.strength * overlap**power
     if loss is not None:
-        yield _of_dashpot(laws.at(loss, chain, bead)._replace(rest=0.0), overlap, rate)
+        yield _of_dashpot(replace(laws.at(loss, chain, bead), rest=0.0), overlap, rate)
 
 
 def _of_dashpot(law: Any, overlap: Floats, rate: Floats) -> tuple[float, Floats]:

@@ -167,7 +167,7 @@ def _load_lines(system: System, layout: BeadLayout) -> list[DeckLines]:
 
 def _of_link(link: Link, system: System, layout: BeadLayout) -> DeckLines:
     """The law's own lines; contacts whose law spells no dashpots of its own have them beside."""
-    if not hasattr(link.law, _kind(link)):
+    if getattr(link.law, _kind(link)) is None:
         raise engine_limits.FORCES.error(link.name)
     if isinstance(link, Wall) and _kind(link) != "at_wall":
         return wall_lines(wall_of(link, system), layout)
@@ -205,7 +205,7 @@ def _refuse_groups(parts: Sequence[str], lines: Sequence[DeckLines]) -> None:
 def _kind(link: Link) -> str:
     """Lines that LAMMPS has for a law on such a link."""
     if isinstance(link, Wall):
-        return next((name for name in ("at_wall", "wall") if hasattr(link.law, name)), "exponent")
+        return "at_wall" if link.law.at_wall is not None else "wall"
     return "along" if isinstance(link, Along) else "across" if isinstance(link, Across) else "ground"
 
 
@@ -394,7 +394,7 @@ def _skin(problem: Problem) -> float:
     """Neighbour distance beyond contact that takes in the next bead of the chain and nothing else."""
     system = problem.system
     if physics.loaded(system):
-        rest = max(float(np.max(laws.rest(link.law))) for link in system.along)
+        rest = max(float(np.max(link.law.rest)) for link in system.along)
         return min(problem.layout.diameter / 2.0, problem.layout.diameter / 2.0 - rest)
     return physics.gap(system) + problem.layout.diameter / 2.0
 

@@ -4,6 +4,7 @@ Results are computed once for each force, for a scene needs it wherever it needs
 """
 
 import functools
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -160,7 +161,7 @@ def refuse_reach(key: str, law: Any, system: System, length: float, *, pressed: 
         ValueError: naming the key and the strain.
     """
     energy = physics.energy(system)
-    law = law._replace(strength=float(np.max(law.strength)))
+    law = replace(law, strength=float(np.max(law.strength)))
     for side in (1.0, -1.0):
         far = formula_law.reach(law, energy, side)
         if far == np.inf:

@@ -8,8 +8,8 @@ for a contact under a static load, its force is counted from there, and so is it
 """
 
 import functools
-from collections import namedtuple
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Annotated, Any, ClassVar, NamedTuple, cast
 
 import numpy as np
@@ -19,7 +19,7 @@ from lammps_inputs import engine_limits
 from lammps_inputs.deck_lines import BeadLayout, DeckLines, LinksAcross, atoms_by_value, whole_contacts
 from lammps_inputs.formulas import expression
 from lammps_inputs.formulas.expression import SQUARE, STRAIN, Derived
-from lammps_inputs.laws import Parameter, Pure, formula
+from lammps_inputs.laws import Law, Parameter, Pure, formula
 from lammps_inputs.laws.spring import driven_back
 from lammps_inputs.numbers import text
 from lammps_inputs.units import Dimension
@@ -61,25 +61,22 @@ class FormulaKind(NamedTuple):
     cut: bool = False
 
 
-class FormulaLaw:
-    """Base of the laws of all formulas; each is also a named tuple of `_OWN` and its parameters.
+class FormulaLaw(Law):
+    """Base of the laws of all formulas; each has the parameters of `_OWN` and of its formula.
 
     Attributes:
         derived: texts of the formula and what follows from it.
         kind: how it is read.
-        one_number: fields that are the same for all links.
         base: name of the class of this module that it is made from.
     """
 
     derived: ClassVar[Derived]
     kind: ClassVar[FormulaKind]
-    one_number: ClassVar[tuple[str, ...]]
     base: ClassVar[str]
     strength: Parameter
     length: float
     per_force: float
     at_rest: float
-    rest = 0.0
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the texts of the formula, from which the class is made again on reading."""
@@ -100,7 +97,7 @@ class FormulaLaw:
     @classmethod
     def source(cls, name: str, function: str) -> str:
         """The force or the stiffness as a function of numbers, in Python, for the reference's compiled kernel."""
-        arguments = ", ".join(cls._fields)  # type: ignore[attr-defined]
+        arguments = ", ".join(cls.names)
         cut, direction = cls.kind.cut, repr(cls.kind.direction)
         strain, acts = ("max(s, 0.0)", "s > 0.0") if cut else ("s", "s != 0.0")
         names = {field: field for field in _parameters(cls)} | {STRAIN: "u"}
@@ -179,7 +176,7 @@ def _value(law: type[FormulaLaw], form: str, argument: str = STRAIN) -> Callable
 
 
 def _parameters(law: type[FormulaLaw]) -> tuple[str, ...]:
-    return law._fields[len(_OWN) :]  # type: ignore[attr-defined,no-any-return]
+    return law.names[len(_OWN) :]
 
 
 def _integral(law: type[FormulaLaw], u: Floats, numbers: Any, panels: int = 1) -> Floats:
@@ -226,7 +223,7 @@ def _agrees(law: type[FormulaLaw], numbers: tuple[float, ...], form: str, sign: 
 def _of_each(find: Callable[[Any], float], law: type[FormulaLaw], values: tuple[Any, ...]) -> Floats:
     """Number that a function finds for the law of each strength, an array of their shape; 0 where there is no link."""
     different, places = np.unique(np.asarray(values[0], dtype=np.float64), return_inverse=True)
-    numbers = [find(law(strength, *values[1:])) if strength else 0.0 for strength in different]  # type: ignore[call-arg]
+    numbers = [find(law(strength, *values[1:])) if strength else 0.0 for strength in different]
     return np.asarray(np.array(numbers)[places].reshape(np.shape(values[0])))
 
 
@@ -356,9 +353,10 @@ class AlongChains(FormulaLaw):
             ),
         )
 
-    def wall(self, overlap: str, strength: str) -> str:
-        """Force of a wall at an overlap, in LAMMPS's variables."""
-        u = f"({text(self.kind.direction * float(self.length))}*{overlap})"
+    def wall(self, overlap: str, closed: str, strength: str) -> str:
+        """Force of a wall at an overlap, in LAMMPS's variables; while it is touched where there is no tension."""
+        acting = f"({overlap}*{closed})" if self.kind.cut else f"({overlap})"
+        u = f"({text(self.kind.direction * float(self.length))}*{acting})"
         return (
             f"{strength}*{text(float(self.per_force))}*({_spelled(self, self.derived.force, u, 'variable', 'walls')})"
         )
@@ -423,7 +421,7 @@ def _spelled(law: Any, form: str, strain: str, style: str, name: str, variable: 
 
 def _each(law: Any) -> list[Any]:
     """The law with each of its strengths."""
-    return [law._replace(strength=float(strength)) for strength in np.unique(law.strength) if strength]
+    return [replace(law, strength=float(strength)) for strength in np.unique(law.strength) if strength]
 
 
 # --- classes ----------------------------------------------------------------------------------------------------------
@@ -431,7 +429,7 @@ def _each(law: Any) -> list[Any]:
 
 @functools.lru_cache(maxsize=256)
 def law_class(base: Any, derived: Derived, kind: FormulaKind) -> Any:
-    """The class of the laws of a formula: a named tuple of `_OWN` and of its parameters."""
+    """The class of the laws of a formula, with the parameters of `_OWN` and of the formula."""
     parameters = sorted(set(expression.names(derived.force)) - {STRAIN})
     fields = (*_OWN, *parameters)
     hints: dict[str, Any] = dict.fromkeys(fields, Pure)
@@ -445,7 +443,7 @@ def law_class(base: Any, derived: Derived, kind: FormulaKind) -> Any:
         "__annotations__": hints,
         "__module__": __name__,
     }
-    return type(base.__name__, (base, namedtuple(base.__name__, fields)), parts)
+    return type(base.__name__, (base,), parts)
 
 
 def _again(base: str, derived: Derived, kind: FormulaKind, values: tuple[Any, ...]) -> Any:

@@ -286,7 +286,7 @@ class Contact(ByFormula):
     def refuse_system(self, setting: Setting, system: System) -> None:
         """Refuse what is known of spheres only, and formulas where they have no value."""
         for link in system.along if self.formula is not None else ():
-            if isinstance(link.law, formulas().AlongChains):
+            if link.law.source is not None:
                 formulas().refuse_reach("contact", link.law, system, setting.scale.length, pressed=True)
         if not any(np.any(np.not_equal(ratios, 1.0)) for ratios in sizes_and_moduli(setting)):
             return

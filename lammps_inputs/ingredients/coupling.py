@@ -128,7 +128,7 @@ class Coupling(ByFormula):
     def refuse_system(self, setting: Setting, system: System) -> None:
         """Refuse cubic springs over distances at which LAMMPS's lose their digits, and formulas without a value."""
         for link in system.couplings if self.formula is not None else ():
-            if isinstance(link.law, formulas().AcrossChains):
+            if link.law.source is not None:
                 formulas().refuse_reach("coupling", link.law, system, setting.scale.length)
         edges = self._edges(setting.chains)
         farthest = max((higher - lower for lower, higher, _ in edges), default=0)

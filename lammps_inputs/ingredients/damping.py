@@ -154,7 +154,7 @@ class Damping(Ingredient):
         dampers: list[Link] = []
         loss = self._loss(setting)
         if loss is not None:
-            dampers.append(Along("contact_damping", loss, gap=setting.gap / setting.scale.length))  # type: ignore[arg-type]
+            dampers.append(Along("contact_damping", loss, gap=setting.gap / setting.scale.length))
             for wall in _walls(setting):
                 law: Any = self._at_wall(wall, setting)
                 dampers.append(replace(wall, name=f"{wall.name}_damping", law=law))

@@ -133,11 +133,11 @@ class Foundation(ByFormula):
         if self.modulation is not None and self.modulation.frequency * setting.scale.time > STIFFEST:
             raise ValueError("foundation.modulation.frequency: at most 1e12, dimensionless")
         for link in self.links(setting):
-            if self.formula is not None and isinstance(link.law, formulas().ToGround):
+            if link.law.source is not None:
                 continue
             largest = {
                 "stiffness": laws.stiffest(link.law, 0.0),
-                "cubic": np.max(link.law.cubic if isinstance(link.law, Duffing) else 0.0),
+                "cubic": np.max(dict(zip(link.law.names, link.law, strict=True)).get("cubic", 0.0)),
             }
             for key in (key for key, value in largest.items() if value > STIFFEST):
                 raise ValueError(f"foundation.{key}: so stiff that the beads do not move; at most 1e12, dimensionless")
@@ -168,18 +168,18 @@ class Foundation(ByFormula):
             stiffness = self._values(self.stiffness if k is None else k, setting)
             named = {"foundation": Duffing(stiffness, cubic) if np.any(cubic) else Linear(stiffness)}
         # the first two parameters of each law, all that Linear and Duffing have, are 0 where there are no springs
-        present = {name: law for name, law in named.items() if any(map(np.any, law[:2]))}
+        present = {name: law for name, law in named.items() if any(map(np.any, (*law,)[:2]))}
         return tuple(Ground(name, laws.dimensionless(law, setting.scale)) for name, law in present.items())
 
     def refuse_system(self, setting: Setting, system: System) -> None:
         """Refuse formulas where they have no value."""
         for link in system.ground if self.formula is not None else ():
-            if isinstance(link.law, formulas().ToGround):
+            if link.law.source is not None:
                 formulas().refuse_reach("foundation", link.law, system, setting.scale.length)
 
     def lacks(self, setting: Setting) -> frozenset[Fact]:
         """Facts of `takes_away`, and that a scheme may step back in time, where the stiffness depends on time."""
-        varies = any(laws.varies(link.law) for link in self.links(setting))
+        varies = any(link.law.varies for link in self.links(setting))
         return super().lacks(setting) | (frozenset({Fact.REVERSIBLE}) if varies else frozenset())
 
     def _in_space_and_time(self, setting: Setting) -> Linear | Varying:

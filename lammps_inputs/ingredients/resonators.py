@@ -119,7 +119,7 @@ class Resonators(Ingredient):
             return frozenset()
         taken = {Fact.SONIC_VACUUM, Fact.FRONT}
         mass = resonators.mass
-        springs = [link.law.spring for link in resonators.ties if isinstance(link.law, Linear)]
+        springs = [laws.stiffness(link.law, 0.0) for link in resonators.ties if link.law.linear]
         if np.all(mass > 0.0) and all(np.all(spring < PULSE_RATE**2 * mass) for spring in springs):
             taken.add(Fact.PULSE)
         if resonators.dampers:

@@ -1,51 +1,29 @@
 """Laws of force on a link, one a file: plain scalar functions, and how LAMMPS spells them.
 
-A law is a `NamedTuple` of its parameters. Each parameter is a number, or an array where it differs from link to link;
-with all of them 0 a law exerts no force. Each declares its unit (`Dimension`), by which `dimensionless` converts a law
-whose parameters are in a scene's units. Its functions take the strain ``s`` of a link and the parameters, in the order
-in which the law has them, as scalars or arrays:
+A law is a subclass of `Law` that declares its parameters, in order, as a dataclass does. Each parameter is a number, or
+an array where it differs from link to link; with all of them 0 a law exerts no force. Each declares its unit
+(`Dimension`), by which `dimensionless` converts a law whose parameters are in a scene's units.
 
-- ``force(s, ...)``: what drives the link's first bead back and its second forward;
-- ``energy(s, ...)``: stored by it, whose slope the force is;
-- ``stiffness(s, ...)``: slope of the force;
-- ``max_strain(energy, ...)``: largest strain to which an energy can bring it;
-- ``one_number``, only where some parameters are the same for all links, and keep their value where there is no link:
-  their names;
-- ``stiffest(energy, ...)``, only where `stiffest_of_each` would not find it: largest stiffness at such an energy.
-
-A law whose force depends on the past declares one of its parameters as the state of each contact, by a `ContactState`
-in its type: in the law of a system that at the start, in the law that analyses compute with that of frames
-(`at_state`). It has three more functions:
-
-- ``next_state(s, ...)``: state after a strain;
-- ``permanent(...)``: overlap at which unloading ends;
-- ``dissipated(...)``: energy dissipated since the start.
-
-A law that depends on time takes the time ``t`` after the strain in all of these but the bounds, and has
-
-- ``now(t)``: the law at a time, whose ``change(s, ...)`` is how fast its force changes at a strain that does not;
-- ``power(s, t, ...)``: how fast its energy changes at such a strain, which is work from outside;
-- ``steady``: the law without what depends on time;
-- ``bends``: times between which it depends on time smoothly.
-
-They are written without branches, so that NumPy takes them as they are and the reference's kernel compiles them into
-vector instructions. Methods ``along``, ``across`` and ``ground``, where a law has them, spell it in LAMMPS on that kind
-of link (`lammps_inputs.links`). They take the link's name, ``across`` a `LinksAcross` whose edges become bonds, and the
-`BeadLayout`, both of `lammps_inputs.deck_lines`. Nothing here depends on scenes or problems.
+Functions of a law take the strain ``s`` of a link and the parameters, as scalars or arrays. They are written without
+branches, so that NumPy takes them as they are and the reference's kernel compiles them into vector instructions.
+`Law` has all of them, with what they are where a law does not say otherwise. Nothing here depends on scenes or
+problems.
 
 Examples:
     >>> contacts = granchain.load("one-chain").problem().system.along[0].law
-    >>> laws.exponent(contacts), laws.strength(contacts)
+    >>> contacts.exponent, laws.strength(contacts)
     (1.5, 1.0)
     >>> laws.force(contacts, np.array([0.0, 1.0, 4.0]))
     array([0., 1., 8.])
-    >>> laws.rest(contacts), laws.load(contacts)  # nothing is loaded at rest
+    >>> contacts.rest, contacts.load  # nothing is loaded at rest
     (0.0, 0.0)
 """
 
 import functools
+import inspect
 from collections.abc import Hashable, Iterator
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol, get_args, get_type_hints
+from dataclasses import dataclass, field, fields, replace
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, dataclass_transform, get_args, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,23 +41,150 @@ Pure = Annotated[Parameter, Dimension()]
 """A parameter without a unit, or one that is dimensionless from the start: a strength over that of reference beads."""
 
 
-class Law(Protocol):
-    """Functions that every law has beside its parameters; a law is a tuple of those."""
+_ZERO: Any = 0.0
+_NONE: Any = None
 
-    def force(self, *args: Any, **kwargs: Any) -> Any:
-        """Force at a strain, of the strain's shape; it drives the link's first bead back and its second forward."""
 
-    def energy(self, *args: Any, **kwargs: Any) -> Any:
-        """Energy that is stored at a strain, an array of the strain's shape."""
+@dataclass_transform(frozen_default=True, eq_default=False)
+class Parameters:
+    """Parameters of a law, which are iterated in the order of their declaration.
 
-    def stiffness(self, *args: Any, **kwargs: Any) -> Any:
-        """Slope of the force at a strain."""
+    Subclasses are frozen dataclasses; two are equal if their classes are, and all parameters to the last number.
 
-    def max_strain(self, *args: Any, **kwargs: Any) -> Any:
-        """Largest strain at which one link holds an energy; 0 where there is no link."""
+    Attributes:
+        names: names of the parameters.
+        source: function that writes a function of the law as Python for the reference's compiled kernel; None where the
+            function itself is compiled.
+    """
+
+    names: ClassVar[tuple[str, ...]]
+    source = _NONE
+
+    def __init_subclass__(cls) -> None:
+        """Make a dataclass, in which a default of `Law` is none of a parameter of that name."""
+        for name, hint in inspect.get_annotations(cls).items():
+            if name not in vars(cls) and hasattr(cls, name) and "ClassVar" not in str(hint):
+                setattr(cls, name, field())
+        dataclass(frozen=True, eq=False)(cls)
+        cls.names = tuple(each.name for each in fields(cls))  # type: ignore[arg-type]
 
     def __iter__(self) -> Iterator[Any]:
         """Iterate over the parameters."""
+        return (getattr(self, name) for name in self.names)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all parameters are the same, to the last number of every array."""
+        return isinstance(other, type(self)) and all(map(np.array_equal, self, other))
+
+    def __hash__(self) -> int:
+        return hash(type(self))
+
+
+class Law(Parameters):
+    """Force of a link: its functions, and what they are where a law does not say otherwise.
+
+    A law has ``force``, ``energy``, ``stiffness`` and ``max_strain``, and of the others what differs. Methods
+    ``along``, ``across`` and ``ground`` spell it in LAMMPS on that kind of link (`lammps_inputs.links`): they take the
+    link's name, ``across`` a `LinksAcross` whose edges become bonds, and the `BeadLayout`, both of
+    `lammps_inputs.deck_lines`. A kind of link for which a law has none, LAMMPS does not compute.
+
+    A law whose force depends on the past declares one of its parameters as the state of each contact, by a
+    `ContactState` in its type: in the law of a system that at the start, in the law that analyses compute with that of
+    frames (`at_state`). It has ``next_state``, ``permanent`` and ``dissipated``.
+
+    A law that depends on time (``varies``) takes the time ``t`` after the strain in all functions but the bounds, and
+    has ``now``, ``power``, ``steady`` and ``bends``.
+
+    Attributes:
+        rest: overlap at rest; 0 where beads just touch.
+        load: force at rest, which ``force`` leaves out.
+        exponent: exponent of the overlap in the force of a contact: a number, or [chain, contact]; None where it is no
+            power.
+        linear: whether the force is proportional to the strain, on both sides of rest.
+        omega: angular frequency with which the law changes in time, in units of 1 / T.
+        varies: whether the law depends on time.
+        steady: the law without what depends on time.
+        bends: times between which the law depends on time smoothly.
+        one_number: names of parameters that are the same for all links, and keep their value where there is no link.
+        damping, impulse: functions of dashpots (`lammps_inputs.laws.dashpot`); None of other laws.
+        along, across, ground: methods that spell the law in LAMMPS; None where it has no such link.
+        wall: method that spells the force of a wall at an overlap; None where LAMMPS has no such wall.
+        at_wall: method that spells walls of this law in another way; None where ``wall`` does.
+    """
+
+    rest, load, omega = _ZERO, _ZERO, _ZERO
+    linear, varies = False, False
+    exponent, along, across, ground, at_wall, wall, damping, impulse = (_NONE,) * 8
+    bends: ClassVar[Any] = ()
+    one_number: ClassVar[tuple[str, ...]] = ()
+
+    @staticmethod
+    def force(*args: Any, **kwargs: Any) -> Any:
+        """Force at a strain, of the strain's shape; it drives the link's first bead back and its second forward."""
+        raise NotImplementedError
+
+    @staticmethod
+    def energy(*args: Any, **kwargs: Any) -> Any:
+        """Energy that is stored at a strain, an array of the strain's shape; the force is its slope."""
+        raise NotImplementedError
+
+    @staticmethod
+    def stiffness(*args: Any, **kwargs: Any) -> Any:
+        """Slope of the force at a strain."""
+        raise NotImplementedError
+
+    @staticmethod
+    def max_strain(*args: Any, **kwargs: Any) -> Any:
+        """Largest strain at which one link holds an energy; 0 where there is no link."""
+        raise NotImplementedError
+
+    @classmethod
+    def stiffest(cls, energy: Any, *law: Any) -> Any:
+        """Largest stiffness to which an energy can bring each link: a number, or an array where the law differs.
+
+        It is the largest at some fractions of the strain at which the link alone holds the energy, which is exact for
+        laws that stiffen or soften at all strains.
+        """
+        farthest = cls.max_strain(energy, *law)
+        return functools.reduce(np.fmax, (cls.stiffness(part * farthest, *law) for part in _PARTS))
+
+    def farthest(self, energy: float) -> float:  # noqa: ARG002
+        """How much farther apart than at rest an energy brings beads, where the law acts at a distance; else 0."""
+        return 0.0
+
+    @staticmethod
+    def next_state(*args: Any, **kwargs: Any) -> Any:
+        """State of contacts after a strain."""
+        raise NotImplementedError
+
+    @staticmethod
+    def permanent(*args: Any, **kwargs: Any) -> Any:
+        """Overlap at which unloading of contacts ends."""
+        raise NotImplementedError
+
+    @staticmethod
+    def dissipated(*args: Any, **kwargs: Any) -> Any:
+        """Energy that contacts have dissipated since the start."""
+        raise NotImplementedError
+
+    def now(self, t: Any) -> "Law":
+        """The law at a time, [...], which does not depend on time."""
+        raise NotImplementedError
+
+    @staticmethod
+    def power(*args: Any, **kwargs: Any) -> Any:
+        """How fast the energy changes at a strain that does not, which is work from outside."""
+        raise NotImplementedError
+
+    @property
+    def steady(self) -> "Law":
+        """The law without what depends on time."""
+        return self
+
+    @staticmethod
+    def change(s: Any, *law: Any) -> Any:  # noqa: ARG004
+        """How fast the force changes at a strain that does not, of a law at an instant."""
+        return 0.0
 
 
 def force(law: Law, strain: Any) -> Any:
@@ -108,15 +213,8 @@ def stiffest(law: Law, total_energy: float) -> float:
 
 
 def stiffest_of_each(law: Law, total_energy: float) -> Any:
-    """Largest stiffness that an energy can bring each of the links to: a number, or an array where the law differs.
-
-    A law's ``stiffest`` gives it; else it is the largest at some fractions of the strain at which the link alone holds
-    the energy, which is exact for laws that stiffen or soften at all strains.
-    """
-    if hasattr(law, "stiffest"):
-        return law.stiffest(total_energy, *law)
-    farthest = law.max_strain(total_energy, *law)
-    return functools.reduce(np.fmax, (law.stiffness(part * farthest, *law) for part in _PARTS))
+    """Largest stiffness that an energy can bring each of the links to: a number, or an array where the law differs."""
+    return law.stiffest(total_energy, *law)
 
 
 _PARTS = (1.0, 0.75, 0.5, 0.25, 0.0, -0.25, -0.5, -0.75, -1.0)
@@ -179,14 +277,15 @@ def refuse_incomplete(law: Any) -> None:
     Raises:
         ValueError: naming the law, and the function or the declaration.
     """
-    if hasattr(law, "next_state") and not has_state(law):
+    kind = type(law)
+    if kind.next_state is not Law.next_state and not has_state(law):
         raise ValueError(
-            f"contacts: the law {type(law).__name__} has a function `next_state`; it needs a parameter declared as the "
+            f"contacts: the law {kind.__name__} has a function `next_state`; it needs a parameter declared as the "
             "state, such as `largest: LargestOverlap = 0.0`, too"
         )
     for name in ("next_state", "permanent", "dissipated"):
-        if has_state(law) and not hasattr(law, name):
-            raise ValueError(f"contacts: the law {type(law).__name__} has a memory; it needs a function `{name}`, too")
+        if has_state(law) and getattr(kind, name) is getattr(Law, name):
+            raise ValueError(f"contacts: the law {kind.__name__} has a memory; it needs a function `{name}`, too")
 
 
 def state_name(law: Any) -> str:
@@ -202,7 +301,7 @@ def contact_state(law: Any) -> Any:
 
 def at_state(law: Any, state: Any) -> Any:
     """The law at another state of its contacts; unchanged for a law without one."""
-    return law._replace(**{state_name(law): state}) if has_state(law) else law
+    return replace(law, **{state_name(law): state}) if has_state(law) else law
 
 
 def state_heading(law: Any) -> str:
@@ -230,21 +329,9 @@ def on_branch(law: Any, closing: Any) -> Any:
     return at_state(law, _kind_of_state(law).on_branch(contact_state(law), closing)) if has_state(law) else law
 
 
-def rest(law: Law) -> Any:
-    """Overlap at rest: a number, or an array where it differs; 0 where beads just touch."""
-    return law.rest if hasattr(law, "rest") else 0.0
-
-
-def load(law: Law) -> Any:
-    """Force at rest, which `force` leaves out: a number, or an array where it differs; 0 where beads just touch."""
-    return law.load if hasattr(law, "load") else 0.0
-
-
 def whole_force(law: Law, overlap: Any) -> Any:
     """Force of a law on links at an overlap, that at rest included, where the strain counts from there."""
-    if not hasattr(law, "rest"):
-        return law.force(overlap, *law)
-    return law.force(overlap - rest(law), *law) + load(law)
+    return law.force(overlap - law.rest, *law) + law.load
 
 
 def strength(law: Law) -> Any:
@@ -252,21 +339,18 @@ def strength(law: Law) -> Any:
     return next(iter(law))
 
 
-def exponent(law: Law) -> Any:
-    """Exponent of the overlap in the force of a contact: a number, or [chain, contact]; None where it is no power."""
-    return law.exponent if hasattr(law, "exponent") else None
-
-
 def dimensionless(law: Any, scale: "Scale") -> Any:
     """A law whose parameters are in a scene's units, as one of dimensionless strain, rate and force.
 
     Raises:
-        TypeError: a parameter declares no `Dimension`.
+        TypeError: it is no `Law`, or a parameter declares no `Dimension`.
     """
     kind = type(law)
+    if not isinstance(law, Law):
+        raise TypeError(f"{kind.__name__}: is no law; valid: a subclass of `laws.Law` that declares its parameters")
     hints = get_type_hints(kind, include_extras=True)
     units = []
-    for name in kind._fields:
+    for name in kind.names:
         if (dimension := dimension_of(hints[name])) is None:
             raise TypeError(
                 f"{kind.__name__}.{name}: declares no unit; valid: `{name}: Annotated[Parameter, "
@@ -274,11 +358,6 @@ def dimensionless(law: Any, scale: "Scale") -> Any:
             )
         units.append(dimension.worth(scale))
     return kind(*(value / unit for value, unit in zip(law, units, strict=True)))
-
-
-def varies(law: Law) -> bool:
-    """Whether a law depends on time."""
-    return hasattr(law, "now")
 
 
 def differs(law: Law) -> bool:

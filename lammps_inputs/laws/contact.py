@@ -4,30 +4,31 @@
 1 are sonic vacua (Nesterenko, Dynamics of Heterogeneous Materials, Springer 2001, 1.2).
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from lammps_inputs import engine_limits, laws
 from lammps_inputs.deck_lines import AtomTypes, BeadLayout, DeckLines, WallLinks, types_by_contact
-from lammps_inputs.laws import Parameter, Pure, formula
-from lammps_inputs.laws.dashpot import LinearRestitution
+from lammps_inputs.laws import Law, Parameter, Pure, formula
 from lammps_inputs.numbers import text
 
 LEAST_OVERLAP = 1e-300
 """Overlap in place of 0 in slopes, of which any power is a number: absent links have the exponent 0."""
 
 
-class Hertz(NamedTuple):
+def wall_of_power(law: Law, overlap: str, closed: str, strength: str) -> str:
+    """Force of a wall at an overlap, which counts where the wall is touched, in LAMMPS's variables."""
+    return f"{strength}*({overlap}*{closed})^{text(float(law.exponent))}"
+
+
+class Hertz(Law):
     """``A (s)+^1.5`` with the overlap as strain (Starosvetsky, Hasan & Vakakis, eq. 1: A = 1)."""
 
     strength: Pure = 1.0
     """A, in units of the scale's contact constant."""
-
-    @property
-    def exponent(self) -> float:
-        """Exponent of the overlap in the force."""
-        return 1.5
+    exponent = 1.5
+    wall = wall_of_power
 
     @staticmethod
     def force(s: Any, strength: Any) -> Any:
@@ -125,13 +126,14 @@ _RESTITUTION_SINCE = 20240627
 """Release that has ``damping coeff_restitution``."""
 
 
-class Power(NamedTuple):
+class Power(Law):
     """``A (s)+^p`` with the overlap as strain, p >= 1."""
 
     strength: Pure
     """A, in units of the scale's contact constant."""
     exponent: Pure
     """p, a number or [chain, contact]."""
+    wall = wall_of_power
 
     @staticmethod
     def force(s: Any, strength: Any, exponent: Any) -> Any:
@@ -167,7 +169,7 @@ class Power(NamedTuple):
             if p != 1.0:
                 raise engine_limits.STRENGTHS.error(name, p)
             return _granular("hooke", 1.0, self.strength, "overlap", layout)
-        if p == 1.0 and isinstance(layout.contact_loss, LinearRestitution):
+        if p == 1.0 and layout.contact_loss is not None and layout.contact_loss.each_pair:
             return _granular("hooke", 1.0, self.strength, "overlap", layout)
         if p == 1.0:
             return DeckLines(
@@ -198,7 +200,7 @@ def faces(link: WallLinks, layout: BeadLayout) -> list[tuple[float, float]]:
     """Strength of the wall of every chain, and where it stands in LAMMPS: nearer by an overlap at rest."""
     radius, right = layout.diameter / 2.0, link.side > 0.0
     end, law = -1 if right else 0, link.law
-    place, clear = layout.places[:, end], np.broadcast_to(link.gap - laws.rest(law), laws.strength(law).shape)[:, end]
+    place, clear = layout.places[:, end], np.broadcast_to(link.gap - law.rest, laws.strength(law).shape)[:, end]
     face = place + radius + clear if right else place - radius - clear
     return list(zip(np.max(laws.strength(law), axis=1).tolist(), face.tolist(), strict=True))
 
@@ -209,7 +211,7 @@ def wall_lines(link: WallLinks, layout: BeadLayout) -> DeckLines:
     The fixes act only on the beads that can reach the walls, for every bead of a group costs time. All beads have the
     same radius in LAMMPS, so chains whose walls differ in strength or position have separate fixes.
     """
-    name, exponent, loss = link.name, laws.exponent(link.law), link.loss
+    name, exponent, loss = link.name, link.law.exponent, link.loss
     lost, model = ([0.0] * layout.chains, "damping velocity") if loss is None else loss.granular(layout)
     end = layout.beads if link.side > 0.0 else 1
     walls = [(*face, g) for face, g in zip(faces(link, layout), lost, strict=True)]
@@ -248,14 +250,11 @@ def _push(name: str, hard: str, face: float, g: str, model: str, link: Any, layo
     def granular(normal: str) -> str:
         return f"wall/gran granular {normal} {g} tangential linear_nohistory 0 0 {model} xplane {planes}"
 
-    if laws.exponent(law) == 1.5:
+    if law.exponent == 1.5:
         return [f"fix {name} {name} {granular(f'hertz $({hard}/{text(float(np.sqrt(radius)))}:%.17g)')}"]
     touched = text(face - link.side * radius)
     overlap, closed = (f"(x-{touched})", f"(x>{touched})") if right else (f"({touched}-x)", f"(x<{touched})")
-    if not hasattr(law, "wall"):
-        force = f"{hard}*({overlap}*{closed})^{text(law.exponent)}"
-    else:
-        force = law.wall(f"({overlap}*{closed})" if law.kind.cut else f"({overlap})", hard)
+    force = law.wall(overlap, closed, hard)
     return [
         f"variable {name}_push atom {'-' * right}{force}",
         f"fix {name} {name} addforce v_{name}_push 0.0 0.0",

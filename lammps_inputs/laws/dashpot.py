@@ -1,7 +1,7 @@
 """Dashpots: forces against the rate at which a link's strain changes, which take energy away.
 
-A law of damping is, like a law of force, a `NamedTuple` of parameters, numbers or arrays over links, with functions of
-strain, rate of strain and the parameters:
+A law of damping is a `DashpotLaw`, which declares parameters as a law of force does, numbers or arrays over links,
+and has functions of strain, rate of strain and the parameters:
 
 - ``damping(s, rate, ...)``: what drives the link's first bead back and its second forward; ``damping * rate`` is the
   power that is dissipated, never less than 0;
@@ -27,24 +27,38 @@ Examples:
 
 import math
 from dataclasses import replace
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 
 from lammps_inputs import engine_limits, laws
 from lammps_inputs.deck_lines import AtomTypes, BeadLayout, DeckLines, LinksAcross, atoms_by_value
-from lammps_inputs.laws import Parameter
+from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.numbers import text
 from lammps_inputs.units import Dimension
 
 NO_LIMIT = 1e300
 """A contact of this strength is never pulled open: its product with an overlap is finite, and 0 at none."""
 
+_NEVER: Any = NO_LIMIT
+
 LEAST = 1e-4
 """Overlap below which a resistance grows no faster than there."""
 
 
-class Dashpot(NamedTuple):
+class DashpotLaw(Law):
+    """Force of a dashpot, and what a law of damping is where it does not say otherwise.
+
+    Attributes:
+        tensile_limit: strength of the contact beside which tension is cut; `NO_LIMIT` where it is not.
+        each_pair: whether every pair parts with a share of its own speed, which LAMMPS computes from its stiffness.
+    """
+
+    tensile_limit = _NEVER
+    each_pair = False
+
+
+class Dashpot(DashpotLaw):
     """``gamma s'`` at any strain."""
 
     coefficient: Annotated[Parameter, Dimension("force", "velocity")]
@@ -125,7 +139,7 @@ class Dashpot(NamedTuple):
         return DeckLines(motion=tuple(lines))
 
 
-class ContactDashpot(NamedTuple):
+class ContactDashpot(DashpotLaw):
     """``g s'`` while the beads touch (Rosas, Romero, Nesterenko & Lindenberg, Phys. Rev. Lett. 98, 2007)."""
 
     coefficient: Parameter
@@ -154,7 +168,7 @@ class ContactDashpot(NamedTuple):
         return float(np.max(self.coefficient)), "damping velocity" + _limit(self.tensile_limit)
 
 
-class Viscoelastic(NamedTuple):
+class Viscoelastic(DashpotLaw):
     """``b s**0.5 s'`` (Kuwabara & Kono 1987; Brilliantov, Spahn, Hertzsch & Poeschel 1996)."""
 
     coefficient: Parameter
@@ -185,7 +199,7 @@ class Viscoelastic(NamedTuple):
         return unit * float(np.max(self.coefficient)), "damping viscoelastic" + _limit(self.tensile_limit)
 
 
-class Restitution(NamedTuple):
+class Restitution(DashpotLaw):
     """``a s**0.25 s'``: two beads part with the same share of any speed (Tsuji 1992; Antypov & Elliott 2011)."""
 
     coefficient: Parameter
@@ -215,7 +229,7 @@ class Restitution(NamedTuple):
         return self.share, "damping coeff_restitution"
 
 
-class LinearRestitution(NamedTuple):
+class LinearRestitution(DashpotLaw):
     """``g s'`` while beads touch that repel linearly and differ: each pair parts with the same share of any speed."""
 
     coefficient: Parameter
@@ -223,6 +237,7 @@ class LinearRestitution(NamedTuple):
     share: float
     """e, which sets alpha = -2 ln e / sqrt(pi**2 + ln(e)**2)."""
     rest: Parameter = 0.0
+    each_pair = True
 
     @staticmethod
     def damping(s: Any, rate: Any, coefficient: Any, share: Any, rest: Any) -> Any:  # noqa: ARG004
@@ -269,7 +284,7 @@ def resistance(law: Any, strain: Any) -> Any:
 
 def cut(law: Any) -> bool:
     """Whether a law of damping cuts tension, so that its force does not follow from the strain and its rate alone."""
-    return hasattr(law, "tensile_limit") and bool(np.min(law.tensile_limit) < NO_LIMIT)
+    return bool(np.min(law.tensile_limit) < NO_LIMIT)
 
 
 def lets_go(law: Any, strain: Any, rate: Any) -> Any:
@@ -334,10 +349,10 @@ def _limit(tensile_limit: Parameter) -> str:
     return " limit_damping" if np.min(tensile_limit) < NO_LIMIT else ""
 
 
-class WallDashpot(NamedTuple):
+class WallDashpot(DashpotLaw):
     """``(g + b o**0.5 + a o**0.25) s'`` at an overlap ``o = s + rest`` above 0; see `ContactDashpot` and so on."""
 
-    steady: Parameter
+    by_rate: Parameter
     """g, in units of m / T; 0 for beads that have no wall, and so with the others."""
     by_radius: Parameter
     """b, in units of m / (T L**0.5)."""
@@ -349,16 +364,16 @@ class WallDashpot(NamedTuple):
 
     @staticmethod
     def damping(
-        s: Any, rate: Any, steady: Any, by_radius: Any, by_stiffness: Any, tensile_limit: Any, rest: Any
+        s: Any, rate: Any, by_rate: Any, by_radius: Any, by_stiffness: Any, tensile_limit: Any, rest: Any
     ) -> Any:
         """Force of the dashpot; tension is limited to the pressure of the contact."""
         closed = np.maximum(s + rest, 0.0)
         root = np.sqrt(closed)
-        force = ((closed > 0.0) * steady + by_radius * root + by_stiffness * np.sqrt(root)) * rate
+        force = ((closed > 0.0) * by_rate + by_radius * root + by_stiffness * np.sqrt(root)) * rate
         return np.maximum(force, -tensile_limit * (closed * root))
 
     @staticmethod
-    def growth(s: Any, steady: Any, by_radius: Any, by_stiffness: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
+    def growth(s: Any, by_rate: Any, by_radius: Any, by_stiffness: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
         """Slope of the resistance, infinite where bead and wall meet, so limited to that at an overlap of `LEAST`."""
         overlap = s + rest
         closed = np.maximum(overlap, LEAST)
@@ -366,12 +381,12 @@ class WallDashpot(NamedTuple):
         return (overlap > 0.0) * (0.5 * by_radius / root + 0.25 * by_stiffness / (root * np.sqrt(root)))
 
     @staticmethod
-    def impulse(s: Any, steady: Any, by_radius: Any, by_stiffness: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
+    def impulse(s: Any, by_rate: Any, by_radius: Any, by_stiffness: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
         """Integral of the resistance from rest, exactly 0 at rest."""
         closed = np.maximum(s + rest, 0.0)
         root, low = np.sqrt(closed), np.sqrt(rest)
         return (
-            steady * np.maximum(s, -rest)
+            by_rate * np.maximum(s, -rest)
             + by_radius * (2.0 / 3.0 * (closed * root - rest * low))
             + by_stiffness * (0.8 * closed * np.sqrt(root) - 0.8 * rest * np.sqrt(low))
         )
@@ -379,7 +394,7 @@ class WallDashpot(NamedTuple):
     @property
     def coefficient(self) -> Any:
         """Coefficient of the dashpot's kind; the other two are 0."""
-        return self.steady + self.by_radius + self.by_stiffness
+        return self.by_rate + self.by_radius + self.by_stiffness
 
     def granular(self, layout: BeadLayout) -> tuple[list[float], str]:
         """LAMMPS's coefficient for the wall of every chain, and the model, which is that of the contacts.
@@ -390,7 +405,7 @@ class WallDashpot(NamedTuple):
         assert layout.contact_loss is not None
         share, model = layout.contact_loss.granular(layout)
         of_chain = np.max(np.broadcast_to(self.coefficient, (layout.chains, layout.beads)), axis=1)
-        if isinstance(layout.contact_loss, LinearRestitution):
+        if layout.contact_loss.each_pair:
             model = "damping velocity"  # beside a stiffness of 0 there is no other
         elif "restitution" in model:
             of_chain = np.full(layout.chains, share)

@@ -4,8 +4,7 @@
 `ground` make methods of a law: ``along = formula.along("strength*(0.4*s^2.5+b*s^3.5/3.5)")``.
 
 Examples:
-    >>> from typing import NamedTuple
-    >>> class Quintic(NamedTuple):
+    >>> class Quintic(laws.Law):
     ...     quintic: float
     ...     ground = formula.ground("quintic*s^5")
     >>> for line in Quintic(0.1).ground("bed", granchain.load("one-chain").problem().layout).motion:
@@ -109,5 +108,5 @@ def _filled(law: Any, name: str, formula: str, strain: str, variable: str = "s")
     """
     if any(np.ndim(value) for value in law):
         raise engine_limits.FORMULAS.error(name)
-    numbers = {key: text(float(value)) for key, value in zip(law._fields, law, strict=True)}
+    numbers = {key: text(float(value)) for key, value in zip(law.names, law, strict=True)}
     return re.sub(r"[A-Za-z_]\w*", lambda word: ({variable: strain} | numbers).get(word[0], word[0]), formula)

@@ -1,25 +1,18 @@
 """Laws of a force in time: what is done to a bead from outside, from the start on.
 
-A law is a `NamedTuple` of its parameters, as a law on a link is. Its functions take the time ``t`` and the parameters,
-as scalars or arrays, and are written without branches:
-
-- ``force(t, ...)``, and ``rate(t, ...)``, its slope; on the right where they jump;
-- ``impulse(t, ...)``: integral of the force from the start, which the reference's kernel compiles, and
-- ``travel(t, ...)``: integral of the impulse: how far a free bead of mass 1 has gone.
-
-``kinks`` are the times between which the force is smooth, from the first at which it acts to the last, which may be
-infinite; ``total`` is the integral of the force's size, of one that never ends over half a period.
-``formula`` is the mean force over the time from ``v_NAMEfrom`` to ``v_NAMEto`` in LAMMPS, times that time; both are
-within the time in which the force acts.
+A law is a subclass of `TimeLaw` that declares its parameters, as a law on a link does. Its functions take the time
+``t`` and the parameters, as scalars or arrays, and are written without branches.
 """
 
 # ruff: noqa: ARG004  every function of a law takes all of its parameters
 import math
-from typing import Any, NamedTuple
+from dataclasses import replace
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lammps_inputs.laws import Parameters
 from lammps_inputs.numbers import text
 
 Floats = NDArray[np.float64]
@@ -30,7 +23,70 @@ are vectors (`lammps_inputs.laws.table_lines`).
 """
 
 
-class HalfSine(NamedTuple):
+_NUMBER: Any = 0.0
+
+
+class TimeLaw(Parameters):
+    """Force in time, and what a law is where it does not say otherwise.
+
+    Attributes:
+        omega: angular frequency with which the force oscillates for ever, in units of 1 / T; 0 where it does not.
+        jumps: whether the force jumps later than at the start.
+        points: number of points between which the force is linear; 0 of a formula.
+        long: whether these are too many for a formula of LAMMPS.
+    """
+
+    omega, points = _NUMBER, 0
+    jumps, long = False, False
+
+    @staticmethod
+    def force(*args: Any, **kwargs: Any) -> Any:
+        """Force at a time; on the right where it jumps."""
+        raise NotImplementedError
+
+    @staticmethod
+    def rate(*args: Any, **kwargs: Any) -> Any:
+        """Slope of the force over time; on the right where it jumps."""
+        raise NotImplementedError
+
+    @staticmethod
+    def impulse(*args: Any, **kwargs: Any) -> Any:
+        """Integral of the force from the start to a time, which the reference's kernel compiles."""
+        raise NotImplementedError
+
+    @staticmethod
+    def travel(*args: Any, **kwargs: Any) -> Any:
+        """Distance that a free bead of mass 1 has gone at a time: the integral of the impulse."""
+        raise NotImplementedError
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Times between which the force is smooth, from the first at which it acts to the last, which may be inf."""
+        raise NotImplementedError
+
+    @property
+    def total(self) -> float:
+        """Integral of the force's size, of one that never ends over half a period."""
+        raise NotImplementedError
+
+    def formula(self, name: str) -> str:
+        """Integral of the force over a step of LAMMPS, as a formula of its variables.
+
+        The step is from ``v_NAMEfrom`` to ``v_NAMEto``, both within the time in which the force acts.
+        """
+        raise NotImplementedError
+
+    @property
+    def opposite(self) -> Self:
+        """The opposite force."""
+        return replace(self, peak=-self.peak)  # type: ignore[attr-defined,call-arg]
+
+    def variables(self, name: str) -> tuple[str, ...]:
+        """Deck variables with the parameters that the formula names."""
+        return tuple(f"variable {name}{key} index {text(value)}" for key, value in zip(self.names, self, strict=True))
+
+
+class HalfSine(TimeLaw):
     """``peak * sin(pi t / duration)`` until the duration is over: a hammer, a ball that bounces off."""
 
     peak: float
@@ -75,8 +131,10 @@ class HalfSine(NamedTuple):
         return f"v_{name}peak/({turn})*(cos({turn}*v_{name}from)-cos({turn}*v_{name}to))"
 
 
-class Rectangular(NamedTuple):
+class Rectangular(TimeLaw):
     """A constant force until the duration is over."""
+
+    jumps = True
 
     peak: float
     duration: float
@@ -117,7 +175,7 @@ class Rectangular(NamedTuple):
         return f"v_{name}peak*(v_{name}to-v_{name}from)"
 
 
-class Sine(NamedTuple):
+class Sine(TimeLaw):
     """``peak * sin(omega t + phase)`` from the start on, for ever."""
 
     peak: float
@@ -163,7 +221,7 @@ class Sine(NamedTuple):
         return f"2*v_{name}peak/v_{name}omega*{middle}*sin({turn}*({end}-{start}))"
 
 
-class TabulatedForce(NamedTuple):
+class TabulatedForce(TimeLaw):
     """Linear between points; no force before the first and after the last."""
 
     time: Floats
@@ -218,9 +276,23 @@ class TabulatedForce(NamedTuple):
         return float(np.sum(mean * width))
 
     @property
-    def long(self) -> bool:
+    def points(self) -> int:  # type: ignore[override]
+        """Number of points."""
+        return len(self.time)
+
+    @property
+    def long(self) -> bool:  # type: ignore[override]
         """Whether it is too long for a formula of LAMMPS."""
-        return len(self.time) > MOST_IN_FORMULA
+        return self.points > MOST_IN_FORMULA
+
+    @property
+    def opposite(self) -> "TabulatedForce":
+        """The opposite force."""
+        return replace(self, value=-self.value, gained=-self.gained, gone=-self.gone)
+
+    def variables(self, name: str) -> tuple[str, ...]:  # noqa: ARG002
+        """None: the numbers stand in the formula."""
+        return ()
 
     def formula(self, name: str) -> str:
         """Integral of the force over a step: half of each change of slope, times the square of the time since.
@@ -248,9 +320,6 @@ class TabulatedForce(NamedTuple):
         return f"({until(after)}-{until(before)})*({before}<{text(float(self.time[-1]))})"
 
 
-TimeLaw = HalfSine | Rectangular | Sine | TabulatedForce
-
-
 def make_table(time: Floats, value: Floats) -> TabulatedForce:
     """Table from its points, in ascending order of time.
 
@@ -262,21 +331,3 @@ def make_table(time: Floats, value: Floats) -> TabulatedForce:
     gained = np.concatenate([[0.0], np.cumsum(mean * width)])
     gone = gained[:-1] * width + (2.0 * value[:-1] + value[1:]) / 6.0 * width * width
     return TabulatedForce(time, value, gained, np.concatenate([[0.0], np.cumsum(gone)]))
-
-
-def jumps(law: TimeLaw) -> bool:
-    """Whether the force jumps later than at the start."""
-    return isinstance(law, Rectangular)
-
-
-def opposite(law: Any) -> Any:
-    """The opposite force."""
-    if isinstance(law, TabulatedForce):
-        return law._replace(value=-law.value, gained=-law.gained, gone=-law.gone)
-    return law._replace(peak=-law.peak)
-
-
-def variables(law: Any, name: str) -> tuple[str, ...]:
-    """Deck variables with the parameters; none of a table, whose numbers stand in the formula."""
-    numbers = {} if isinstance(law, TabulatedForce) else law._asdict()
-    return tuple(f"variable {name}{key} index {text(value)}" for key, value in numbers.items())

@@ -7,12 +7,13 @@ larger radius. `WaltonBraun` loads and unloads along two straight lines (Walton 
 Overlaps include that at rest, the largest so far too: under a static load it begins with the overlap at rest.
 """
 
-from typing import Annotated, Any, NamedTuple
+from dataclasses import replace
+from typing import Annotated, Any
 
 import numpy as np
 
 from lammps_inputs.deck_lines import BeadLayout, DeckLines
-from lammps_inputs.laws import ContactState, Parameter, Pure, plastic_lines
+from lammps_inputs.laws import ContactState, Law, Parameter, Pure, plastic_lines
 from lammps_inputs.units import Dimension
 
 YIELD_PRESSURE = 1.6
@@ -48,7 +49,7 @@ LargestOverlap = Annotated[Parameter, Dimension("length"), LargestSoFar()]
 """Type of the parameter that is the largest overlap so far, 0 at the start."""
 
 
-class Thornton(NamedTuple):
+class Thornton(Law):
     """Force ``A (delta - delta_r)^1.5 / z^0.5``, with the permanent overlap ``delta_r = delta_m (1 - z)``.
 
     The largest overlap so far is delta_m, or delta_y where that is larger, and ``z = w^0.5 (1.5 - 0.5 w)`` with
@@ -129,8 +130,8 @@ class Thornton(NamedTuple):
 
     def at_rest(self, rest: Parameter) -> "Thornton":
         """Law of contacts whose overlap at rest, a number or [chain, contact], is their largest so far."""
-        alone = self._replace(largest=rest, rest=rest)
-        return alone._replace(load=alone.force(0.0, *alone))
+        alone = replace(self, largest=rest, rest=rest)
+        return replace(alone, load=alone.force(0.0, *alone))
 
     def at_wall(self, _name: str, _layout: BeadLayout) -> DeckLines:
         """No LAMMPS commands of a wall by itself: those of the contacts have it (`along`)."""
@@ -141,7 +142,7 @@ class Thornton(NamedTuple):
         return plastic_lines.contacts(self, name, layout)
 
 
-class WaltonBraun(NamedTuple):
+class WaltonBraun(Law):
     """``A delta`` while delta is the largest overlap so far, else ``A (d - (1 - e^2) delta_m)+ / e^2``."""
 
     strength: Pure

@@ -5,13 +5,14 @@ beads there (forces on the ends, walls, gravity) is constant, and so part of the
 moves the beads. Nesterenko, Dynamics of Heterogeneous Materials (2001), chapter 1.
 """
 
-from typing import Annotated, Any, NamedTuple
+from dataclasses import replace
+from typing import Annotated, Any
 
 import numpy as np
 
 from lammps_inputs.deck_lines import BeadLayout, DeckLines
-from lammps_inputs.laws import Parameter, Pure
-from lammps_inputs.laws.contact import LEAST_OVERLAP, Hertz, Power
+from lammps_inputs.laws import Law, Parameter, Pure
+from lammps_inputs.laws.contact import LEAST_OVERLAP, Hertz, Power, wall_of_power
 from lammps_inputs.laws.plastic import Thornton
 from lammps_inputs.units import Dimension
 
@@ -21,7 +22,7 @@ _NEAR, _TERMS = 0.1, 14
 """Strain over the overlap at rest up to which an energy is its series, to the last digit with so many terms."""
 
 
-class Preloaded(NamedTuple):
+class Preloaded(Law):
     """``A (d0 + s)+^1.5 - F0`` with ``F0 = A d0^1.5``."""
 
     strength: Pure
@@ -30,11 +31,8 @@ class Preloaded(NamedTuple):
     """d0, the overlap at rest."""
     load: Annotated[Parameter, Dimension("force")]
     """F0, to the last bit what the first term is at s = 0."""
-
-    @property
-    def exponent(self) -> float:
-        """Exponent of the overlap in the force."""
-        return 1.5
+    exponent = 1.5
+    wall = wall_of_power
 
     @staticmethod
     def force(s: Any, strength: Any, rest: Any, load: Any) -> Any:
@@ -70,7 +68,7 @@ class Preloaded(NamedTuple):
         return Hertz(self.strength).along(name, layout)
 
 
-class PreloadedPower(NamedTuple):
+class PreloadedPower(Law):
     """``A (d0 + s)+^p - F0`` with ``F0 = A d0^p``, p >= 1, written as ``F0 ((1 + s / d0)^p - 1)``: 0 at s = 0."""
 
     strength: Pure
@@ -81,6 +79,7 @@ class PreloadedPower(NamedTuple):
     """d0, the overlap at rest, never quite 0."""
     load: Annotated[Parameter, Dimension("force")]
     """F0."""
+    wall = wall_of_power
 
     @staticmethod
     def force(s: Any, strength: Any, exponent: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
@@ -158,7 +157,7 @@ def under(law: Contact, load: Parameter, grid: float) -> Preloaded | PreloadedPo
 def pressed(law: Any, factor: float) -> Any:
     """Law of a contact or wall under its static load times a factor."""
     rest, load = _power_at(law, law.rest * factor ** (1.0 / law.exponent))
-    return law._replace(rest=rest, load=load)
+    return replace(law, rest=rest, load=load)
 
 
 def _power_at(law: Any, rest: Parameter) -> tuple[Parameter, Parameter]:

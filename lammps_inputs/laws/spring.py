@@ -4,7 +4,8 @@ Linear ones to the ground may have a stiffness that depends on time: a ramp betw
 """
 
 # ruff: noqa: ARG004  every function of a law takes all of its parameters
-from typing import Annotated, Any, NamedTuple
+from dataclasses import replace
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -19,13 +20,15 @@ from lammps_inputs.deck_lines import (
     row_formula,
     whole_contacts,
 )
-from lammps_inputs.laws import Parameter
+from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.numbers import text
 from lammps_inputs.units import Dimension
 
 
-class Linear(NamedTuple):
+class Linear(Law):
     """``k s``."""
+
+    linear = True
 
     spring: Annotated[Parameter, Dimension("stiffness")]
     """k, in units of m / T**2."""
@@ -146,7 +149,7 @@ def tied(bonded: list[DeckLines]) -> list[str]:
     ]
 
 
-class Duffing(NamedTuple):
+class Duffing(Law):
     """``k s + c s**3`` with c >= 0."""
 
     spring: Annotated[Parameter, Dimension("stiffness")]
@@ -207,8 +210,10 @@ class Duffing(NamedTuple):
         )
 
 
-class Instant(NamedTuple):
+class Instant(Law):
     """``k s`` at an instant, in which k changes at a rate."""
+
+    linear = True
 
     spring: Parameter
     """k, in units of m / T**2."""
@@ -241,8 +246,10 @@ class Instant(NamedTuple):
         return slope * s
 
 
-class Varying(NamedTuple):
+class Varying(Law):
     """``k(t) s``, k(t) = (k0 + rate (t' - begin)) (1 + depth sin(omega t + phase)), t' = t between begin and end."""
+
+    linear, varies = True, True
 
     spring: Annotated[Parameter, Dimension("stiffness")]
     """k0, in units of m / T**2."""
@@ -338,13 +345,13 @@ class Varying(NamedTuple):
         ramps = np.any(np.broadcast_to(self.rate, shape) != 0.0, axis=1)
         profiles = atoms_by_row(name, self.spring, shape, ~ramps)
         by_value = ramps[:, np.newaxis] | (profiles is None)
-        values = atoms_by_value(name, [np.where(by_value, parameter, 0.0) for parameter in self[:_OF_RAMP]], shape)
+        values = atoms_by_value(name, [np.where(by_value, parameter, 0.0) for parameter in (*self,)[:_OF_RAMP]], shape)
         formulas = []
         for profile, atoms in profiles or []:
-            steady = self._replace(rate=0.0)
+            steady = replace(self, rate=0.0)
             formulas.append((_formula(steady, row_formula(name, profile, ROW), *modulation), atoms))
         for parameters, atoms in values:
-            law = Varying(*parameters, *self[_OF_RAMP:])
+            law = Varying(*parameters, *(*self,)[_OF_RAMP:])
             formulas.append((_formula(law, text(law.counted_from), *modulation), atoms))
         return formulas
 
@@ -356,7 +363,7 @@ class Varying(NamedTuple):
     @property
     def lowest(self) -> float:
         """Stiffness after a falling ramp of equal springs, in units of m / T**2; 0 where rounding leaves no more."""
-        _, after = _ends_of_ramp(*self[:_OF_RAMP])
+        _, after = _ends_of_ramp(*(*self,)[:_OF_RAMP])
         return float(after) if after > 2.0 * np.spacing(self.spring) else 0.0
 
     @property

@@ -26,8 +26,6 @@ from numpy.typing import NDArray
 
 from lammps_inputs import laws, physics
 from lammps_inputs.laws import Law, dashpot
-from lammps_inputs.laws.in_time import Sine
-from lammps_inputs.laws.spring import Varying
 from lammps_inputs.links import Across, Along, Wall, largest_eigenvalue
 from lammps_inputs.scheme import LARGEST_PHASE, SchemeName
 from lammps_inputs.system import System
@@ -38,10 +36,9 @@ FARTHEST = 3.0
 
 def fastest(system: System) -> float:
     """Angular frequency, at most, of any motion; energy bounds how stiff a contact can get."""
-    of_loads = (load.law.omega for load in system.loads if isinstance(load.law, Sine))
     elastic = float(np.sqrt(_contacts(system) + _springs(system)))
-    modulated = (link.law.omega for link in system.ground if isinstance(link.law, Varying))
-    return max((elastic, *of_loads, *modulated, *(motion.omega for motion in system.motions)))
+    springs, loads = ([each.law.omega for each in several] for several in (system.ground, system.loads))
+    return float(max((elastic, *springs, *loads, *(motion.omega for motion in system.motions))))
 
 
 def modal_frequency(system: System) -> float:

@@ -4,7 +4,6 @@ import os
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ import pytest
 from lammps_inputs import library
 from lammps_inputs.deck_lines import DeckLines
 from lammps_inputs.decks import deck
-from lammps_inputs.laws import Pure, formula
+from lammps_inputs.laws import Law, Pure, formula
 from lammps_inputs.links import Across, Along, Ground
 from workflow import cost_model
 from workflow.cost_model import formula_seconds, step_seconds
@@ -35,7 +34,7 @@ SCENES = {
 }
 
 
-class Elastic(NamedTuple):
+class Elastic(Law):
     """Numbers of a law that these tests alone know; only what a deck needs."""
 
     strength: Pure

@@ -86,10 +86,7 @@ class YieldMeter(Meter[Trajectory | None, tuple[Yielded, YieldTable] | None]):
         shape = (system.chains, system.beads - 1)
         largest = laws.turning_overlap(law)
         force = np.broadcast_to(laws.whole_force(law, largest), shape)
-        permanent, dissipated = (
-            np.broadcast_to(find(*law), shape)
-            for find in (law.permanent, law.dissipated)  # type: ignore[attr-defined]
-        )
+        permanent, dissipated = (np.broadcast_to(find(*law), shape) for find in (law.permanent, law.dissipated))
         chain, contact = np.indices(shape)
         opened = (motion.overlaps(system, last.displacement[-1]) < largest) & (largest > 0.0)
         table = YieldTable(

@@ -15,7 +15,6 @@ from analysis.sharing.run_error import MeasuredError
 from analysis.sharing.survey import Survey
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
-from lammps_inputs.laws.in_time import Sine
 from workflow.measures.measurement import MOST_CHAINS, Measurement, Recorded
 from workflow.screen import PrintedTable
 
@@ -259,7 +258,7 @@ def amplitude_at(signal: Floats, every: float, frequency: float) -> Floats:
 
 def drives(problem: Problem) -> list[tuple[int, int, float]]:
     """(chain, bead, frequency) of every drive."""
-    forces = [(load.chain, load.bead, load.law.omega) for load in problem.system.loads if isinstance(load.law, Sine)]
+    forces = [(load.chain, load.bead, load.law.omega) for load in problem.system.loads if load.law.omega]
     motions = [(motion.chain, motion.bead, motion.omega) for motion in problem.system.motions]
     return [(chain, bead, omega / (2.0 * np.pi)) for chain, bead, omega in (*motions, *forces)]
 

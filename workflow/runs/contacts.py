@@ -74,13 +74,13 @@ def at_most(scene: Scene) -> LargestContactForce | None:
     if not _of_spheres(scene, law):
         return None
     high = (
-        laws.rest(law) + law.max_strain(physics.energy(system), *law)
+        law.rest + law.max_strain(physics.energy(system), *law)
         if laws.differs(law)
         else solids.overlap_bounds(system)[1]
     )
     energy, chain = physics.energy(system), np.arange(system.chains)
     at_walls = (laws.at(link.law, chain, _place(link, system)) for link in physics.walls(system))
-    walls = [laws.rest(law) + law.max_strain(energy, *law) for law in at_walls]
+    walls = [law.rest + law.max_strain(energy, *law) for law in at_walls]
     return _contacts(scene, high, walls, measured=False)
 
 

@@ -3,7 +3,6 @@
 import json
 import math
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -146,7 +145,7 @@ def test_an_elastic_limit_is_hertz_s_law_bit_for_bit():
     assert not np.any(physics.dissipated_by_contacts(one.system))
 
 
-class Undeclared(NamedTuple):
+class Undeclared(laws.Law):
     """A law that changes a parameter which it does not declare as the state of contacts."""
 
     strength: float = 1.0
@@ -160,7 +159,7 @@ def test_a_law_that_changes_a_state_which_it_does_not_declare_is_refused():
         laws.refuse_incomplete(Undeclared())
 
 
-class Softened(NamedTuple):
+class Softened(laws.Law):
     """A law whose state is not its second parameter, and has another name."""
 
     softness: LargestOverlap = 0.0

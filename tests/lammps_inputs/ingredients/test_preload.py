@@ -11,7 +11,7 @@ from wrong_runs import causes
 
 from analysis.gauges.gauge import gauges
 from analysis.sharing.impulses import measure
-from lammps_inputs import InputError, laws, library
+from lammps_inputs import InputError, library
 from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
 from workflow.measures.forces.force_meter import ForceMeter
@@ -152,7 +152,7 @@ def test_between_unlike_walls_a_chain_rests_as_its_mirror_image_does(force):
         loaded(beads=9, precompression={"force": force}, walls={"left": left, "right": right}).system.along[0].law
         for left, right in ((soft, hard), (hard, soft))
     )
-    assert laws.rest(one) == laws.rest(other)
+    assert one.rest == other.rest
 
 
 def test_a_scene_says_gravity_as_one_number_and_is_read_back():

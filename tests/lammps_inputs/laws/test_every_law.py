@@ -4,6 +4,7 @@ Under a static load rest is exactly rest, and no digit of a small motion is lost
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -68,7 +69,7 @@ def test_the_largest_strain_holds_the_whole_energy(law, energy):
 @pytest.mark.parametrize("law", [law for name, law in ELASTIC.items() if "spring" not in name])
 def test_contacts_push_only_where_beads_overlap_and_in_proportion_to_their_strength(law):
     strength = np.array([[1.0, 2.0], [3.0, 0.0]])
-    strong = law._replace(strength=strength)
+    strong = replace(law, strength=strength)
     for of in (laws.force, laws.energy, laws.stiffness):
         assert not np.any(of(law, np.array([-1e300, -0.1, 0.0]))[:2])
         np.testing.assert_allclose(of(strong, np.full((5, 2, 2), 0.7))[4], strength * of(law, 0.7) / 1.7, rtol=1e-15)
@@ -159,7 +160,7 @@ DASHPOTS = [*CONTACTS.values(), *WALLS.values()]
 @pytest.mark.parametrize("free", DASHPOTS)
 @pytest.mark.parametrize("rest", [0.0, 0.4, np.full(4, 0.4)], ids=["touching", "pressed", "array"])
 def test_what_a_dashpot_has_given_is_the_integral_of_its_resistance_and_nothing_at_rest(free, rest):
-    law = free._replace(rest=rest)
+    law = replace(free, rest=rest)
     slope = (law.impulse(PLACES + 1e-6, *law) - law.impulse(PLACES - 1e-6, *law)) / 2e-6
     np.testing.assert_allclose(slope, dashpot.resistance(law, PLACES), rtol=1e-8, atol=1e-9)
     assert not np.any(law.impulse(0.0, *law))
@@ -168,7 +169,7 @@ def test_what_a_dashpot_has_given_is_the_integral_of_its_resistance_and_nothing_
 
 @pytest.mark.parametrize("free", CONTACTS.values(), ids=CONTACTS)
 def test_a_pressed_dashpot_is_that_of_the_whole_overlap(free):
-    pressed = free._replace(rest=0.4)
+    pressed = replace(free, rest=0.4)
     for rate in (-2.0, 0.1):
         np.testing.assert_allclose(
             dashpot.damping(pressed, PLACES, rate), dashpot.damping(free, PLACES + 0.4, rate), rtol=1e-14
@@ -180,7 +181,7 @@ def test_a_pressed_dashpot_is_that_of_the_whole_overlap(free):
 @pytest.mark.parametrize(("rest", "gap"), [(0.0, 0.0), (0.4, 0.0), (0.0, 0.1)], ids=["touching", "pressed", "gap"])
 @pytest.mark.parametrize("name", WALLS)
 def test_a_wall_resists_as_a_contact_of_that_overlap_does_on_either_side(name, rest, gap):
-    contact, right = CONTACTS[name], WALLS[name]._replace(rest=rest)
+    contact, right = CONTACTS[name], replace(WALLS[name], rest=rest)
     for rate in (-20.0, -0.1, 2.0):
         expected = dashpot.damping(contact, PLACES + rest - gap, rate)
         for side in (1.0, -1.0):
@@ -205,7 +206,7 @@ def test_a_cut_dashpot_pulls_as_hard_as_the_contact_pushes_and_no_harder(law):
     for rate in (-1e3, -10.0):
         np.testing.assert_allclose(dashpot.damping(law, overlap, rate), -2.0 * overlap**1.5)
     weak = dashpot.damping(law, overlap[1:], -1e-3)
-    np.testing.assert_allclose(weak, dashpot.damping(law._replace(tensile_limit=NO_LIMIT), overlap[1:], -1e-3))
+    np.testing.assert_allclose(weak, dashpot.damping(replace(law, tensile_limit=NO_LIMIT), overlap[1:], -1e-3))
 
 
 def test_beads_without_a_wall_feel_nothing_however_hard_they_are_pressed():

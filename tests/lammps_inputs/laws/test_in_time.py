@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from lammps_inputs.laws.in_time import HalfSine, Rectangular, Sine, make_table, opposite, variables
+from lammps_inputs.laws.in_time import HalfSine, Rectangular, Sine, make_table
 
 LAWS = {
     "half-sine": HalfSine(0.7, 2.3),
@@ -47,7 +47,7 @@ def test_the_total_counts_all_of_the_force_or_half_a_swing_of_one_that_never_end
     last = law.kinks[-1]
     t = np.linspace(0.0, math.pi / law.omega if math.isinf(last) else last, 300001)
     size = np.abs(law.force(0.5 * (t[1:] + t[:-1]), *law))
-    assert law.total == opposite(law).total == pytest.approx(float(np.sum(size)) * t[1], rel=1e-6)
+    assert law.total == law.opposite.total == pytest.approx(float(np.sum(size)) * t[1], rel=1e-6)
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -55,7 +55,7 @@ def test_what_a_deck_gives_in_a_step_is_the_impulse_around_it(name):
     """The formula read as LAMMPS does."""
     law, h = LAWS[name], 0.01
     known = {"PI": math.pi, "sin": math.sin, "cos": math.cos, "v_timestep": h}
-    for line in variables(law, "push"):
+    for line in law.variables("push"):
         _, variable, _, value = line.split()
         known[f"v_{variable}"] = float(value)
     formula = law.formula("push").replace("^", "**")

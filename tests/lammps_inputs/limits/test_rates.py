@@ -1,7 +1,7 @@
 """How fast anything can move, by hand; and the bounds on time steps that follow."""
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
@@ -88,7 +88,7 @@ def test_no_overlaps_of_this_energy_vibrate_faster_than_the_bound(shares, chains
     assert fastest * rates.stability_bound(pair(total, kappa, chains)) <= 2.0 + 1e-12
 
 
-class Softening(NamedTuple):
+class Softening(laws.Law):
     """``k tanh(s)``."""
 
     spring: float

@@ -8,7 +8,6 @@ from synthetic_waves import of_keys
 
 from analysis import motion
 from analysis.shape.unit_cell import cell_of
-from lammps_inputs import laws
 from workflow.engines.reference import engine
 from workflow.plugins.sound.loaded_pulse import LoadedPulseMeter
 
@@ -30,7 +29,7 @@ def test_it_is_over_ten_contacts_clear_of_the_end_and_not_before_the_kick(bead, 
     last = 30 if bead == 1 else 32  # five contacts from the end, and 1.5 of the cube root of the way
     assert (wave.chain, wave.first, wave.last) == (1, first, last)
     overlap = motion.overlaps(run.problem.system, run.displacement)[:, 0, first - 1 : last]
-    force = np.maximum(overlap, 0.0) ** 1.5 / float(laws.load(run.problem.system.along[0].law))
+    force = np.maximum(overlap, 0.0) ** 1.5 / float(run.problem.system.along[0].law.load)
     assert wave.force_ratio == pytest.approx(np.mean(np.max(force, axis=0)), rel=1e-3)
     assert wave.speed == pytest.approx(
         (last - first) / np.ptp(run.time[np.argmax(force[:, [0, -1]], axis=0)]), rel=0.02

@@ -41,7 +41,7 @@ def stiffer_wall(system, factor):
 def _stronger(link, parameter, factor, name):
     if link.name != name:
         return link
-    return replace(link, law=link.law._replace(**{parameter: factor * getattr(link.law, parameter)}))
+    return replace(link, law=replace(link.law, **{parameter: factor * getattr(link.law, parameter)}))
 
 
 def heavier_bead(system, factor):
@@ -58,7 +58,7 @@ def stronger_contact(system, factor):
 
 def stronger_push(system, factor):
     (load,) = system.loads
-    return replace(system, loads=(replace(load, law=load.law._replace(peak=factor * load.law.peak)),))
+    return replace(system, loads=(replace(load, law=replace(load.law, peak=factor * load.law.peak)),))
 
 
 def pair(right, *changes):

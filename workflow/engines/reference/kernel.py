@@ -228,7 +228,7 @@ class _Writer:
             name, used = law.__name__, [other.__name__ for other in self._laws].count(law.__name__)
             self._laws[law] = name + str(used + 1) * (used > 0)
         called = f"{self._laws[law].lower()}_{function}"
-        if hasattr(law, "source"):  # a formula's, which is in no module
+        if law.source is not None:  # a formula's, which is in no module
             self._functions[called] = f"\n\n@inlined\n{law.source(called, function)}"
         else:
             if called not in self._functions:
@@ -281,7 +281,7 @@ class _Writer:
         for law in self._laws:
             if "<locals>" in law.__qualname__:
                 raise TypeError(f"law {law.__qualname__}: must be a class of a module, not of a function")
-        written = [law for law in self._laws if hasattr(law, "source")]
+        written = [law for law in self._laws if law.source is not None]
         named = {law: name for law, name in self._laws.items() if law not in written}
         names = {law: law.__name__ + f" as {name}" * (law.__name__ != name) for law, name in named.items()}
         imports = sorted(f"from {law.__module__} import {name}" for law, name in names.items())

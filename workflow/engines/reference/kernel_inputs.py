@@ -149,7 +149,7 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
     walls = [link for link in ends[Ground] if isinstance(link, Wall)]
     beads = [link for link in ends[Ground] if not isinstance(link, Wall)]
     cut = any(dashpot.cut(link.law) for link in system.dampers)
-    bends = np.unique([time for link in system.ground if laws.varies(link.law) for time in link.law.bends])  # type: ignore[attr-defined]
+    bends = np.unique([time for link in system.ground if link.law.varies for time in link.law.bends])
     inverse = _inverse_mass(system, step if as_lammps and physics.velocity_at_full_steps(system) else 0.0)
     terms = Terms(
         contacts=tuple(taken.term(link.law, *between, first=2, state_at="[k]") for link in system.along),
@@ -191,11 +191,11 @@ class _Parameters:
         """A law on links of which that of the first bead is in row ``first``, and its state, if it has one, there."""
         parameters = []
         chains, state_name = self._system.chains, laws.state_name(law)
-        for label, value in zip(law._fields, law, strict=True):
+        for label, value in zip(law.names, law, strict=True):
             if label == state_name:
                 parameters.append(f"contact_state{state_at}")
                 continue
-            if self._lines > chains and label not in _one_number(law):
+            if self._lines > chains and label not in law.one_number:
                 # of chains alone: without parameters a law exerts no force on further lines
                 value = np.broadcast_to(value, (chains, self._system.beads + 1 - first))
             differs = np.ndim(value) > 0
@@ -217,7 +217,7 @@ class _Parameters:
                 terms.append(replace(term, sign=side, row=row))
             else:
                 term = self.term(link.law, "{x}[k]", "{v}[k]", first=1)
-                terms.append(replace(term, time="time" * laws.varies(link.law)))
+                terms.append(replace(term, time="time" * link.law.varies))
         return tuple(terms)
 
     def acting(self, loads: Sequence[Load | Motion]) -> tuple[Term, ...]:
@@ -228,7 +228,7 @@ class _Parameters:
             places = [load.bead * self._lines + load.chain - 1 for load in alike]
             at = self.add("at", np.array(places, dtype=np.uint64))
             law: Any = alike[0].law
-            values = zip(law._fields, zip(*(load.law for load in alike), strict=True), strict=True)
+            values = zip(law.names, zip(*(load.law for load in alike), strict=True), strict=True)
             parameters = tuple(f"{self.add(label, np.array(value))}[n]" for label, value in values)
             terms.append(Term(type(law), "", "", parameters, at))
         return tuple(terms)
@@ -236,18 +236,18 @@ class _Parameters:
     def _across(self, link: Across) -> list[Term]:
         law: Any = link.law
         distances, values = neighbours(link, self._system)
-        shared = {label: self.add(label, float(getattr(law, label))) for label in _one_number(law)}
-        arrays = [(label, value) for label, value in zip(law._fields, values, strict=True) if label not in shared]
+        shared = {label: self.add(label, float(getattr(law, label))) for label in law.one_number}
+        arrays = [(label, value) for label, value in zip(law.names, values, strict=True) if label not in shared]
         if len(distances) > UNROLLED:
             apart = self.add("apart", distances)
             names = shared | {label: f"{self.add(label, value)}[m, k]" for label, value in arrays}
             sums = self.add("sums", np.zeros((3, values[0].shape[1])))
-            return [Term(type(law), *_relative("apart"), tuple(names[label] for label in law._fields), apart, sums)]
+            return [Term(type(law), *_relative("apart"), tuple(names[label] for label in law.names), apart, sums)]
         terms = []
         for number, distance in enumerate(distances):
             apart = self.add("apart", distance)
             names = shared | {label: f"{self.add(label, value[number])}[k]" for label, value in arrays}
-            terms.append(Term(type(law), *_relative(apart), tuple(names[label] for label in law._fields)))
+            terms.append(Term(type(law), *_relative(apart), tuple(names[label] for label in law.names)))
         return terms
 
     def _laid(self, parameter: Floats, first: int) -> Floats:
@@ -255,11 +255,6 @@ class _Parameters:
         rows = np.zeros((self._system.beads + 2, self._lines))
         rows[first : first + parameter.shape[1], : parameter.shape[0]] = parameter.T
         return rows.reshape(-1)
-
-
-def _one_number(law: Any) -> tuple[str, ...]:
-    """Parameters of a law that are one number for all links, also for lines without links."""
-    return law.one_number if hasattr(law, "one_number") else ()
 
 
 def _relative(apart: str) -> tuple[str, str]:

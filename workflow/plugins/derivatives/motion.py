@@ -282,7 +282,7 @@ def _form(terms: kernel_inputs.Terms) -> kernel_inputs.Terms:
     """Terms with the text of the force in place of a formula's law, whose other texts have numbers in exponents."""
 
     def with_texts(group: tuple[kernel_inputs.Term, ...]) -> tuple[kernel_inputs.Term, ...]:
-        laws = (term.law.source("", "force") if hasattr(term.law, "source") else term.law for term in group)
+        laws = (term.law if term.law.source is None else term.law.source("", "force") for term in group)
         return tuple(replace(term, law=law) for term, law in zip(group, laws, strict=True))
 
     across, ground = with_texts(terms.across), with_texts(terms.ground)

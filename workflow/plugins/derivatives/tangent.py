@@ -21,7 +21,6 @@ from granchain.parts import (
     engine,
     kernel,
     kernel_inputs,
-    laws,
     library,
     physics,
     schemes,
@@ -45,7 +44,7 @@ def refuse_without_slope(system: System) -> None:
             "`tension: allowed` has none"
         )
     for link in system.along:
-        exponent = laws.exponent(link.law)
+        exponent = link.law.exponent
         if exponent is not None and np.any(np.asarray(exponent) <= 1.0):
             raise InputError("the equations cannot be linearised: contacts of exponent 1 have a slope that jumps")
 

@@ -25,7 +25,7 @@ def refuse_no_response(problem: Problem, source: str) -> None:
         InputError: says what is missing, or not allowed.
     """
     system = problem.system
-    if any(not hasattr(load.law, "omega") for load in system.loads):
+    if not all(load.law.omega for load in system.loads):
         raise InputError(f"{source}: push: is not sinusoidal; `--frequencies` needs a `drive` alone")
     if physics.varying(system):
         raise InputError(f"{source}: foundation: varies in time; `--frequencies` needs a `drive` alone")
@@ -48,7 +48,7 @@ def _drives(system: System) -> list[Any]:
 def at_period(problem: Problem, period: float) -> Problem:
     """The problem with all drives of another period, in units of T."""
     omega, system = 2.0 * math.pi / period, problem.system
-    loads = tuple(replace(load, law=cast(Any, load.law)._replace(omega=omega)) for load in system.loads)
+    loads = tuple(replace(load, law=replace(cast(Any, load.law), omega=omega)) for load in system.loads)
     motions = tuple(replace(prescribed, omega=omega) for prescribed in system.motions)
     return replace(problem, system=replace(system, loads=loads, motions=motions))
 

@@ -13,7 +13,6 @@ from granchain.parts import (
     Problem,
     Survey,
     hermite,
-    laws,
     long_waves,
     motion,
     physics,
@@ -107,7 +106,7 @@ class Sound:
             bead_length: distance of neighbouring beads at rest in m, or None.
         """
         system = problem.system
-        load, rest = (np.asarray(find(system.along[0].law)) for find in (laws.load, laws.rest))
+        load, rest = map(np.asarray, (system.along[0].law.load, system.along[0].law.rest))
         branches = unit_cell.bands(system)
         speed = None if physics.ground_springs(system) else _ends(long_waves.sound_speed(system))
         return cls(
@@ -189,9 +188,9 @@ class LoadedPulseMeter(Meter[Maxima, LoadedWave | None]):
         over = cell * min(-(-OVER // cell), max(1, (len(reached) - 1) // cell))
         used = reached[-over - 1 :] if direction > 0 else reached[: over + 1]
         first, last = (int(used[0]), int(used[-1])) if direction > 0 else (int(used[-1]), int(used[0]))
-        overlap = laws.rest(system.along[0].law) + np.where(np.isfinite(largest), largest, 0.0)
+        overlap = system.along[0].law.rest + np.where(np.isfinite(largest), largest, 0.0)
         force = motion.contact_force(system, overlap)
-        load = np.broadcast_to(laws.load(system.along[0].law), force.shape)
+        load = np.broadcast_to(system.along[0].law.load, force.shape)
         if not np.all(load[chain, used] > 0.0):
             return None
         ratio = float(np.mean(force[chain, used] / load[chain, used]))

@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 
 from granchain import Scene
-from granchain.parts import Fact, Floats, Survey, laws, long_waves, measurement, panels, physics, unit_cell
+from granchain.parts import Fact, Floats, Survey, long_waves, measurement, panels, physics, unit_cell
 from workflow.plugins.sound.dispersion import Bands, Branches, DispersionMeter, Map
 from workflow.plugins.sound.figure import dispersion_sheet
 from workflow.plugins.sound.loaded_pulse import LoadedPulseMeter, LoadedWave, Sound
@@ -116,4 +116,4 @@ def bead_length(scene: Scene) -> float | None:
     system = scene.system
     if scene.material is None or not (physics.one_kind(system) and physics.even(system)):
         return None
-    return 2.0 * scene.material.radius - float(laws.rest(system.along[0].law)) * scene.scale.length
+    return 2.0 * scene.material.radius - float(system.along[0].law.rest) * scene.scale.length

@@ -1,13 +1,13 @@
 """Beads on a bed of springs of the fifth power: a law, its spelling in LAMMPS, and the ingredient that uses it."""
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 from pydantic import Field
 
 from granchain.parts import Fact, Ground, Ingredient, Setting, formula, laws, units
 
 
-class Quintic(NamedTuple):
+class Quintic(laws.Law):
     """``q s**5``."""
 
     quintic: Annotated[laws.Parameter, units.Dimension("stiffness", length=-4)]
