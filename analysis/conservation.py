@@ -61,6 +61,11 @@ class Account:
     walls: Floats = declare("energy of the contacts with walls", "energy")
     resonators: Floats = declare("energy of the resonators: kinetic, and of their springs", "energy")
     dissipated: dict[str, Floats] = declare("energy dissipated until then, by the name of the dashpots", "energy")
+    other_atoms: dict[str, Floats] | None = declare(
+        "energy of other atoms beside the beads, by their name: kinetic, and of their springs",
+        "energy",
+        "there are none",
+    )
 
     @property
     @derived("energy")
@@ -88,12 +93,16 @@ class Account:
         )
         if not total > _LITTLE * self.most:  # a drive may have taken back what it gave
             return f"{supplied}; before, it was at most {scale.written(self.most, 'energy')}"
-        return f"{supplied}: {', '.join(f'{part / total:.2%} {_PLACES.get(name, name)}' for part, name in named)}"
+        return f"{supplied}: {', '.join(f'{part / total:.2%} {self._place(name)}' for part, name in named)}"
+
+    def _place(self, name: str) -> str:
+        """Place of a part of the energy in words."""
+        return f"in {name}" if name in (self.other_atoms or {}) else _PLACES.get(name, name)
 
     @property
     def stored(self) -> dict[str, Floats]:
-        """Energy of each kind in `STORED`, by name, each [instant]."""
-        return {name: getattr(self, name) for name in STORED}
+        """Energy of each kind in `STORED` and of other atoms beside the beads, by name, each [instant]."""
+        return {name: getattr(self, name) for name in STORED} | (self.other_atoms or {})
 
     @property
     def losses(self) -> dict[str, Floats]:
@@ -127,17 +136,19 @@ class AccountMeter(Meter[tuple[tuple[Floats, ...], tuple[Floats, ...]], Account]
         time, energy_input, *parts = (np.concatenate(part) for part in zip(*samples, strict=True))
         if time[-1] < last[0][0]:
             time, energy_input, *parts = map(np.append, (time, energy_input, *parts), last)
-        stored, lost = parts[: len(STORED)], parts[len(STORED) :]
-        names = physics.dissipation_names(self.problem.system)
-        by_name = {name: part for name, part in zip(names, lost, strict=True) if name is not None}
-        return Account(time, energy_input, **dict(zip(STORED, stored, strict=True)), dissipated=by_name)
+        places, names = _places_of(self.problem.system), physics.dissipation_names(self.problem.system)
+        stored = dict(zip(places, parts, strict=False))
+        of_kinds = {name: stored.pop(name, np.zeros(len(time))) for name in STORED}
+        lost = zip(names, parts[len(places) :], strict=True)
+        by_name = {name: part for name, part in lost if name is not None}
+        return Account(time, energy_input, **of_kinds, dissipated=by_name, other_atoms=stored or None)
 
 
 def _sampled(block: Trajectory, frames: slice) -> tuple[Floats, ...]:
     """Time, energy input, and energies stored and dissipated at some frames, each [frame]."""
     energy_input, lost = _exchanged(block)
     stored = _stored(block.system_at(frames), *(values[frames] for values in block.atoms))
-    return block.time[frames], energy_input[frames], *stored.values(), *lost[frames].T
+    return block.time[frames], energy_input[frames], *stored, *lost[frames].T
 
 
 def _exchanged(block: Trajectory) -> tuple[Floats, Floats]:
@@ -150,7 +161,9 @@ def _exchanged(block: Trajectory) -> tuple[Floats, Floats]:
     return kinetic_energy_at_start(block.problem) + exchange[:, -1], np.column_stack([exchange[:, :-1], yielded])
 
 
-STORED = ("kinetic", "contacts", "springs", "ground", "walls", "resonators")
+_OF_BEADS = ("kinetic", "contacts", "springs", "ground", "walls")
+
+STORED = (*_OF_BEADS, "resonators")
 """Kinds of stored energy: fields of an `Account`."""
 
 _PLACES = {
@@ -163,13 +176,30 @@ _PLACES = {
 """Kind of stored energy -> its place in words."""
 
 
-def _stored(system: System, x: Floats, v: Floats) -> dict[str, Floats]:
-    resonators = np.broadcast_to(motion.further_energy(system, x, v), len(x))
-    x, v = x[:, : system.chains], v[:, : system.chains]
-    kinetic = motion.kinetic_energy(system, v).sum(axis=(-2, -1))
+def _places_of(system: System) -> list[str]:
+    """Names of the kinds of energy that a system stores: those of beads, and the nouns of other atoms."""
+    return [*_OF_BEADS, *(noun.plural for noun in system.lines_by_noun)]
+
+
+def _stored(system: System, x: Floats, v: Floats) -> list[Floats]:
+    """Energies of the kinds in `_places_of`, each [frame], at displacements and velocities [frame, line, bead]."""
+    at_beads, none = x[:, : system.chains], np.zeros(len(x))
+    kinetic = motion.kinetic_energy(system, v[:, : system.chains]).sum(axis=(-2, -1))
     kinds = (system.along, system.couplings, physics.ground_springs(system), physics.walls(system))
-    stored = [sum((link.energy(x).sum(axis=(-2, -1)) for link in links), np.zeros(len(x))) for links in kinds]
-    return dict(zip(STORED, [kinetic, *stored, resonators], strict=True))
+    stored = [sum((link.energy(at_beads).sum(axis=(-2, -1)) for link in links), none) for links in kinds]
+    return [kinetic, *stored, *_of_others(system, x, v)]
+
+
+def _of_others(system: System, x: Floats, v: Floats) -> list[Floats]:
+    """Energies of atoms that are no beads by their noun, kinetic and of their ties, each [frame]; NaN if not recorded."""
+    if v.shape[1] < physics.lines(system):
+        return [np.full(len(x), np.nan) for _ in system.lines_by_noun]
+    kinetic = motion.kinetic_energy(system, v).sum(axis=-1)
+    tied = [(link.edges[0][1], link.energy(x).sum(axis=(-2, -1))) for link in system.ties]
+    return [
+        kinetic[:, lines].sum(axis=-1) + sum(energy for line, energy in tied if line in lines)
+        for lines in system.lines_by_noun.values()
+    ]
 
 
 class FrameAccountant(ABC):

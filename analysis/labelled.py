@@ -7,8 +7,10 @@ import numpy as np
 
 from analysis import motion
 from analysis.trajectory import Floats, Integers, Trajectory
+from lammps_inputs import physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.links import Along
+from lammps_inputs.system import Noun
 
 
 class LabelledArray(NamedTuple):
@@ -43,12 +45,8 @@ def dataset(block: Trajectory, attributes: Mapping[str, Any] | None = None) -> A
         if quantity:
             values, labels["units"] = scale.measured(values, quantity), scale.symbol(quantity)
         variables[name] = dimensions, values, labels
-    coordinates = {name: variables.pop(name) for name in COORDINATES if name in variables}
+    coordinates = {name: variables.pop(name) for name, (along, *_) in list(variables.items()) if along == (name,)}
     return xarray.Dataset(variables, coordinates, dict(attributes or {}))
-
-
-COORDINATES = ("time", "chain", "bead", "contact", "resonator", "end")
-"""Variables that number a dimension of their name."""
 
 
 def labelled(block: Trajectory) -> dict[str, LabelledArray]:
@@ -59,7 +57,8 @@ def labelled(block: Trajectory) -> dict[str, LabelledArray]:
     - ``overlap``, 0 of beads that are apart, and ``contact_force`` [time, chain, contact], where all beads are recorded
       and deform;
     - ``contact_state`` [time, chain, end], where contacts yield;
-    - ``resonator_displacement`` and ``resonator_velocity`` [time, resonator, bead], where there are resonators.
+    - ``resonator_displacement`` and ``resonator_velocity`` [time, resonator, bead], where there are resonators; with
+      the noun of other atoms beside the beads, where there are any.
 
     Args:
         block: frames.
@@ -83,8 +82,8 @@ def labelled(block: Trajectory) -> dict[str, LabelledArray]:
         words = "largest overlap so far of the contact between beads n and n + 1, or with a wall"
         arrays["end"] = LabelledArray(("end",), ends, "number n of the bead before the contact, 0 at the left wall")
         arrays["contact_state"] = LabelledArray(("time", "chain", "end"), block.contact_state, words, "length")
-    if block.further_lines is not None:
-        arrays |= _of_resonators(block)
+    for noun, lines in problem.system.lines_by_noun.items() if block.all_lines else ():
+        arrays |= _of_others(block, noun, lines)
     return arrays
 
 
@@ -107,23 +106,20 @@ def _of_contacts(block: Trajectory) -> dict[str, LabelledArray]:
     }
 
 
-def _of_resonators(block: Trajectory) -> dict[str, LabelledArray]:
-    """Motion of the atoms of further lines; NaN where a line has none."""
-    assert block.further_lines is not None
-    masses = block.problem.system.further_mass
-    motions = np.where(np.asarray(masses) > 0.0, block.further_lines, np.nan)
-    at_lines = ("time", "resonator", "bead")
-    count = motions.shape[2]
+def _of_others(block: Trajectory, noun: Noun, lines: Integers) -> dict[str, LabelledArray]:
+    """Motion of atoms of a noun, which are no beads, on their lines [line] from 0; NaN where a line has none."""
+    present = np.asarray(physics.masses(block.problem.system))[lines] > 0.0
+    x, v = (np.where(present, values[:, lines], np.nan) for values in block.atoms)
+    name = noun.singular.replace(" ", "_")
+    at_lines = ("time", name, "bead")
     return {
-        "resonator": LabelledArray(
-            ("resonator",),
-            np.arange(1, count + 1),
-            "number of the line of resonators: those of each chain in turn, and again of each further kind",
+        name: LabelledArray(
+            (name,),
+            np.arange(1, len(lines) + 1),
+            f"number of the line of {noun.plural}: those of each chain in turn, and again of each further kind",
         ),
-        "resonator_displacement": LabelledArray(
-            at_lines, motions[:, 0], "displacement of the resonator at the bead", "length"
+        f"{name}_displacement": LabelledArray(
+            at_lines, x, f"displacement of the {noun.singular} at the bead", "length"
         ),
-        "resonator_velocity": LabelledArray(
-            at_lines, motions[:, 1], "velocity of the resonator at the bead", "velocity"
-        ),
+        f"{name}_velocity": LabelledArray(at_lines, v, f"velocity of the {noun.singular} at the bead", "velocity"),
     }

@@ -68,31 +68,12 @@ def energy(system: System, displacement: Floats, velocity: Floats, first: int = 
     Returns:
         [...] in units of m V**2; NaN of the chains alone where there are further lines of atoms.
     """
-    beads = slice(system.chains)
-    x, v = displacement[..., beads, :], velocity[..., beads, :]
-    total = 0.5 * np.sum(_weighed(system, v * v, first), axis=(-2, -1))
-    for link in system.links_of_chains:
-        total += np.sum(link.energy(x, first), axis=(-2, -1))
-    return np.asarray(total + further_energy(system, displacement, velocity))
-
-
-def further_energy(system: System, displacement: Floats, velocity: Floats) -> Any:
-    """Energy of further lines of atoms and their ties, [...] from [..., line, bead]; NaN of the chains alone."""
-    further = velocity[..., system.chains :, :]
-    total = 0.5 * _sum_of_further(system, further * further)
-    for link in system.ties if further.shape[-2] else ():
-        total += np.sum(link.energy(displacement), axis=(-2, -1))
-    return total
-
-
-def _sum_of_further(system: System, values: Floats) -> Any:
-    """Sum of values times masses over further lines of atoms, [...] of [..., further line, bead].
-
-    0 where the system has no such lines, NaN where the values have none of them.
-    """
-    if system.further_mass is None:
-        return 0.0
-    return np.sum(system.further_mass * values, axis=(-2, -1)) if values.shape[-2] else np.nan
+    total = np.sum(kinetic_energy(system, velocity, first), axis=(-2, -1))
+    if velocity.shape[-2] < physics.lines(system):
+        return np.full_like(total, np.nan)
+    for link in system.links:
+        total += np.sum(link.energy(displacement[..., link.lines_among(system.chains), :], first), axis=(-2, -1))
+    return np.asarray(total)
 
 
 def bead_energy(system: System, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
@@ -154,8 +135,8 @@ def static_force(system: System, *contact: Any) -> Any:
 
 def momentum(system: System, velocity: Floats) -> Floats:
     """Total momentum, [...] from [..., line, bead]; NaN of the chains alone where there are further lines."""
-    total = np.sum(_weighed(system, velocity[..., : system.chains, :], 1), axis=(-2, -1))
-    return np.asarray(total + _sum_of_further(system, velocity[..., system.chains :, :]))
+    total = np.sum(_weighed(system, velocity, 1), axis=(-2, -1))
+    return np.asarray(total) if velocity.shape[-2] == physics.lines(system) else np.full_like(total, np.nan)
 
 
 def acceleration(

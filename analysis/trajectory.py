@@ -339,6 +339,16 @@ class Trajectory:
 
         return replace(self, displacement=moved(self.displacement), velocity=moved(self.velocity), first=first)
 
+    def of_columns(self, problem: Problem, columns: Integers) -> "Trajectory":
+        """These frames of a problem that records some of their beads, without atoms that are no beads.
+
+        Args:
+            problem: what records these beads.
+            columns: [bead] positions of the beads along the last axis.
+        """
+        x, v = self.displacement[..., columns], self.velocity[..., columns]
+        return replace(self, problem=problem, displacement=x, velocity=v, further_lines=None)
+
     def positions(self, beads: Any) -> Integers:
         """Positions of recorded beads along the last axis; outside it where a window does not hold a bead.
 
@@ -437,7 +447,7 @@ def mirrored_problem(problem: Problem) -> Problem:
             links=tuple(link.mirrored() for link in system.links),
             dampers=tuple(link.mirrored() for link in system.dampers),
             mass=physics.mass_of(system, Ellipsis, slice(None, None, -1)),
-            further_mass=None if system.further_mass is None else system.further_mass[:, ::-1],
+            further_lines=tuple(line.on(slice(None, None, -1)) for line in system.further_lines),
             loads=tuple(load.mirrored(mirrored_bead(problem, load.bead)) for load in system.loads),
             motions=tuple(motion.mirrored(mirrored_bead(problem, motion.bead)) for motion in system.motions),
         ),

@@ -69,7 +69,7 @@ class BeadLayout:
         rest: overlap of neighbours at rest, a number or [chain, contact].
         even: whether all neighbouring beads are equally far apart at rest.
         farthest: how much farther apart than at rest neighbours that act at a distance come, at most; 0 where none do.
-        group: LAMMPS's group of all beads.
+        others: what atoms that are no beads are called; empty where there are none.
         heaviest: largest mass of a bead.
         contact_loss: dashpot law of the contacts (`lammps_inputs.laws.dashpot`); None if they are undamped.
         walls: walls of the chains.
@@ -85,7 +85,7 @@ class BeadLayout:
     rest: float | NDArray[np.float64]
     even: bool
     farthest: float
-    group: str
+    others: str
     heaviest: float
     contact_loss: Any
     walls: tuple[WallLinks, ...]
@@ -94,6 +94,11 @@ class BeadLayout:
     def atom(self, chain: int, bead: int) -> int:
         """Number of a bead's atom in LAMMPS; all counted from 1."""
         return (chain - 1) * self.rows + bead
+
+    @property
+    def group(self) -> str:
+        """LAMMPS's group of all beads."""
+        return "beads" if self.others else "all"
 
     @property
     def diameter_of_others(self) -> float:

@@ -24,7 +24,7 @@ def layout_of(system: System) -> BeadLayout:
         rest=system.along[0].law.rest,
         even=physics.even(system),
         farthest=physics.farthest(system),
-        group="all" if physics.lines(system) == system.chains else "beads",
+        others=system.others,
         heaviest=float(np.max(system.mass)),
         contact_loss=physics.contact_loss(system),
         walls=tuple(wall_of(wall, system) for wall in physics.walls(system)),

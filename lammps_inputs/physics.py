@@ -30,7 +30,7 @@ from lammps_inputs.system import System
 Found = TypeVar("Found")
 
 PULSE_RATE = 1.67
-"""Angular frequency of a resonator, in 1 / T, below which it is too slow for a pulse: its half period is the full width
+"""Angular frequency of a tied atom, in 1 / T, below which it is too slow for a pulse: its half period is the full width
 at half maximum, 1.88 T, of the velocity of a bead in a plain chain kicked with V."""
 
 _FASTER = 4.0
@@ -81,7 +81,7 @@ def one_kind(system: System) -> bool:
 
 def lines(system: System) -> int:
     """Number of lines of atoms: the chains, and further lines after them."""
-    return system.chains if system.further_mass is None else system.chains + len(system.further_mass)
+    return system.chains + len(system.further_lines)
 
 
 def masses(system: System, absent: float = 0.0) -> float | NDArray[np.float64]:
@@ -91,19 +91,20 @@ def masses(system: System, absent: float = 0.0) -> float | NDArray[np.float64]:
 
     Forces over masses that are infinite where there is no atom are 0 there.
     """
-    if system.further_mass is None:
+    if not system.further_lines:
         return system.mass
-    further = np.where(system.further_mass > 0.0, system.further_mass, absent)
-    return np.vstack([np.broadcast_to(system.mass, (system.chains, system.beads)), further])
+    further = np.array([line.mass for line in system.further_lines])
+    of_beads = np.broadcast_to(system.mass, (system.chains, system.beads))
+    return np.vstack([of_beads, np.where(further > 0.0, further, absent)])
 
 
 def mass_with_tied(system: System) -> float | NDArray[np.float64]:
     """Masses of beads with the atoms that are tied to them and move with them in slow motion, [chain, bead]."""
-    if system.further_mass is None:
+    if not system.further_lines:
         return system.mass
     total = np.array(np.broadcast_to(system.mass, (system.chains, system.beads)), dtype=np.float64)
-    for line, of_line in enumerate(system.further_mass):
-        total[line % system.chains] += of_line
+    for line in system.further_lines:
+        total[line.chain] += line.mass
     return total
 
 
@@ -133,7 +134,8 @@ def why_no_pulse(system: System) -> str:
     """Why there is no leading pulse, where `Fact.PULSE` does not hold."""
     if (slowest := slowest_tied(system)) < PULSE_RATE:
         return (
-            f"resonators of angular frequency {slowest:.3g} / T are slower than a pulse, whose rate is {PULSE_RATE} / T"
+            f"{system.others} of angular frequency {slowest:.3g} / T are slower than a pulse, whose rate is "
+            f"{PULSE_RATE} / T"
         )
     if farthest(system) > 0.0:
         return "pulses are not followed where contacts act at a distance"

@@ -20,7 +20,16 @@ from lammps_inputs.deck_atoms import DeckAtoms
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import plastic
-from lammps_inputs.ingredients.base import Count, FurtherAtoms, Ingredient, Positive, ScenePart, Setting, refuse_outside
+from lammps_inputs.ingredients.base import (
+    Count,
+    FurtherAtoms,
+    Ingredient,
+    Positive,
+    ScenePart,
+    Setting,
+    refuse_outside,
+    together,
+)
 from lammps_inputs.ingredients.material import Material
 from lammps_inputs.ingredients.registry import INGREDIENTS, OWN_INGREDIENTS, SEVERAL
 from lammps_inputs.ingredients.unequal import KEYS as KEYS_OF_UNEQUAL
@@ -37,7 +46,6 @@ from lammps_inputs.limits import solids as limits_of_material
 from lammps_inputs.limits.closing import never_closes
 from lammps_inputs.limits.rates import timestep_for
 from lammps_inputs.limits.solids import FLATTENED, LARGEST_OVERLAP, overlap_bounds, sound_speed
-from lammps_inputs.links import Across
 from lammps_inputs.numbers import plain_values
 from lammps_inputs.output import Limits, Output, too_far_apart
 from lammps_inputs.problem import Problem
@@ -574,14 +582,14 @@ class BaseScene(ScenePart, metaclass=SceneType):
         motions = tuple(motion for ingredient in self.ingredients for motion in ingredient.motions(setting))
         taken = {fact for ingredient in self.ingredients for fact in ingredient.lacks(setting)}
         taken |= {Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set()
-        further_mass, ties, dashpots = self._in_lines([atoms for _, atoms in self._further_atoms])
+        further_lines, ties, dashpots = together(self.chains, [atoms for _, atoms in self._further_atoms])
         taken |= plastic.taken_away(setting, touching[0].law)
         system = System(
             chains=self.chains,
             beads=self.beads,
             kicks=tuple((kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kicks),
             mass=mass,
-            further_mass=further_mass,
+            further_lines=further_lines,
             links=(*touching, *links, *ties),
             lacks=frozenset(taken),
             loads=loads,
@@ -602,24 +610,6 @@ class BaseScene(ScenePart, metaclass=SceneType):
         """Lines of atoms that ingredients add to the chains, each with the key of its ingredient."""
         each = [(key, ingredient.further_atoms(self.setting)) for key, ingredient in self.named]
         return [(key, atoms) for key, atoms in each if atoms is not None]
-
-    def _in_lines(self, each: list[FurtherAtoms]) -> tuple[Floats | None, tuple[Across, ...], tuple[Across, ...]]:
-        """Masses of all atoms that ingredients add, [line, bead], their ties and dashpots.
-
-        Lines of one ingredient stand in those of another whose places are free, else after them.
-        """
-        masses = np.zeros((0, self.beads))
-        ties: list[Across] = []
-        dampers: list[Across] = []
-        for atoms in each:
-            first, count = 0, len(atoms.mass)
-            while np.any(masses[first : first + count] * atoms.mass[: max(0, len(masses) - first)]):
-                first += count
-            masses = np.pad(masses, ((0, max(0, first + count - len(masses))), (0, 0)))
-            masses[first : first + count] += atoms.mass
-            ties += [link.counted_on(self.chains, first) for link in atoms.ties]
-            dampers += [link.counted_on(self.chains, first) for link in atoms.dampers]
-        return (masses if len(masses) else None), tuple(ties), tuple(dampers)
 
     @property
     def _loaded_by(self) -> str:

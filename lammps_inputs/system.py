@@ -12,6 +12,7 @@ What follows from a system is in `lammps_inputs.physics`; where LAMMPS has its b
 
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,38 @@ from numpy.typing import NDArray
 from lammps_inputs.facts import Fact
 from lammps_inputs.links import Across, Along, Ground, Link
 from lammps_inputs.loads import Load, Motion
+
+
+class Noun(NamedTuple):
+    """What the atoms of a line are called: one of them, and several."""
+
+    singular: str
+    plural: str
+
+
+@dataclass(frozen=True, eq=False)
+class FurtherLine:
+    """Line of atoms beside a chain, each tied to its bead, such as a mass inside each bead.
+
+    Attributes:
+        mass: [bead], in units of the reference bead's; 0 where there is no atom.
+        chain: its chain, counted from 0.
+        noun: what its atoms are called.
+    """
+
+    mass: NDArray[np.float64]
+    chain: int
+    noun: Noun
+
+    def on(self, rows: NDArray[np.int64] | slice) -> "FurtherLine":
+        """The line at chosen rows, [row] counted from 0."""
+        return replace(self, mass=self.mass[rows])
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all is the same, to the last mass."""
+        if not isinstance(other, FurtherLine):
+            return False
+        return (self.chain, self.noun) == (other.chain, other.noun) and np.array_equal(self.mass, other.mass)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -41,8 +74,8 @@ class System:
     """All forces there are: contacts first, links that tie further lines of atoms last."""
     mass: float | NDArray[np.float64] = 1.0
     """1 where all beads have the reference bead's, else [chain, bead]."""
-    further_mass: NDArray[np.float64] | None = None
-    """[line, bead] of further lines of atoms, which count on from the chains and are tied to beads; 0 without atom."""
+    further_lines: tuple[FurtherLine, ...] = ()
+    """Lines of atoms that are no beads; their numbers count on from those of the chains."""
     lacks: frozenset[Fact] = frozenset()
     """Facts that do not hold."""
     loads: tuple[Load, ...] = ()
@@ -99,12 +132,34 @@ class System:
             links=tuple(link.on(rows) for link in self.links),
             dampers=tuple(link.on(rows) for link in self.dampers),
             mass=self.mass if isinstance(self.mass, float) else self.mass[:, rows],
-            further_mass=None if self.further_mass is None else self.further_mass[:, rows],
+            further_lines=tuple(line.on(rows) for line in self.further_lines),
         )
 
     def is_tie(self, link: Link) -> bool:
         """Whether a link ties atoms of further lines, not only beads of chains."""
         return isinstance(link, Across) and any(higher >= self.chains for _, higher in link.edges)
+
+    @cached_property
+    def chain_of_line(self) -> NDArray[np.int64]:
+        """Chain of each line of atoms, [line], all counted from 0: the chains themselves, then further lines."""
+        return np.array([*range(self.chains), *(line.chain for line in self.further_lines)])
+
+    @cached_property
+    def lines_by_noun(self) -> dict[Noun, NDArray[np.int64]]:
+        """Noun of atoms that are no beads -> their lines, [line], counted from 0 with the chains first."""
+        nouns = dict.fromkeys(line.noun for line in self.further_lines)
+        places = {noun: [n for n, line in enumerate(self.further_lines) if line.noun == noun] for noun in nouns}
+        return {noun: self.chains + np.array(of_noun) for noun, of_noun in places.items()}
+
+    def atom_at_bead(self, line: int) -> tuple[str, int]:
+        """Noun of the atoms of a line, from 0, and their number among those at their bead; "" and 0 of a chain."""
+        before = [(other.chain, other.noun) for other in self.further_lines[: max(0, line + 1 - self.chains)]]
+        return (before[-1][1].singular, before.count(before[-1])) if before else ("", 0)
+
+    @property
+    def others(self) -> str:
+        """Nouns of all atoms that are no beads, such as "resonators"; empty where there are none."""
+        return " and ".join(noun.plural for noun in self.lines_by_noun)
 
     @cached_property
     def ground(self) -> tuple[Ground, ...]:

@@ -40,7 +40,7 @@ def near_the_front(block: Trajectory) -> Trajectory:
 def of_common_atoms(first: Trajectory, second: Trajectory) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
     """Displacements and velocities of two trajectories, each [frame, line, bead], of the atoms that both hold.
 
-    These are the beads, and the resonators where both have recorded them.
+    These are the beads, and other atoms where both have recorded them.
     """
     (x, v), (other_x, other_v) = first.atoms, second.atoms
     lines = slice(min(x.shape[1], other_x.shape[1]))
@@ -48,7 +48,7 @@ def of_common_atoms(first: Trajectory, second: Trajectory) -> tuple[tuple[Floats
 
 
 def velocity_error(run: Trajectory, reference: Trajectory) -> float:
-    """Largest difference of any velocity, of beads or resonators, at the same times and rows; in units of V.
+    """Largest difference of any velocity, of beads or other atoms, at the same times and rows; in units of V.
 
     NaN where a velocity is not a number.
     """
@@ -59,18 +59,11 @@ def velocity_error(run: Trajectory, reference: Trajectory) -> float:
 def of_recorded(trajectory: Trajectory, problem: Problem) -> Trajectory:
     """Frames of a run at the beads that another problem records, which are some or all of those that it recorded.
 
-    Resonators are left out where beads are.
+    Other atoms are left out where beads are.
     """
     if problem.rows.neighbours:
         return replace(trajectory, problem=problem)
-    columns = trajectory.problem.rows.positions(problem.rows.numbers)
-    return replace(
-        trajectory,
-        problem=problem,
-        displacement=trajectory.displacement[:, :, columns],
-        velocity=trajectory.velocity[:, :, columns],
-        further_lines=None,
-    )
+    return trajectory.of_columns(problem, trajectory.problem.rows.positions(problem.rows.numbers))
 
 
 def paired(first: Iterable[Trajectory], second: Iterable[Trajectory]) -> Iterator[tuple[Trajectory, Trajectory]]:

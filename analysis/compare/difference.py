@@ -64,7 +64,7 @@ class Uncertainty:
 
     Attributes:
         steps_per_frame: steps of the finer run from frame to frame.
-        velocity: the largest error of any velocity, of beads and resonators, is below this, in units of V: the largest
+        velocity: the largest error of any velocity, of beads and other atoms, is below this, in units of V: the largest
             difference from the run with half as many steps, times `workflow.engines.reference.step_halving.SAFETY`.
         arrival: the same bound for arrivals of the leading pulse, in units of T, where `analysis.tracking.peaks.sharp`.
         energy: largest deviation of the energy from that of the kicks.
@@ -86,25 +86,27 @@ class Uncertainty:
 
 @dataclass(frozen=True)
 class DeviationPlace:
-    """A bead of a chain, or a resonator at it, at a time.
+    """A bead of a chain, or another atom at it, such as a resonator, at a time.
 
     Attributes:
         chain: number of the chain, from 1.
         bead: number of the bead, from 1.
         time: dimensionless; None for what belongs to no instant.
-        resonator: number of the resonator at the bead, in the order of the scene; 0 for the bead itself.
+        noun: what the other atom is called; empty for the bead itself.
+        number: number of the other atom among those of its noun at the bead, in the order of the scene.
     """
 
     chain: int
     bead: int
     time: float | None
-    resonator: int = 0
+    noun: str = ""
+    number: int = 0
 
     @property
     def words(self) -> str:
-        """The bead or resonator in words, such as "bead 7 of chain 2"."""
+        """The bead or other atom in words, such as "bead 7 of chain 2"."""
         bead = f"bead {self.bead} of chain {self.chain}"
-        return f"resonator {self.resonator} at {bead}" if self.resonator else bead
+        return f"{self.noun} {self.number} at {bead}" if self.noun else bead
 
 
 @dataclass(frozen=True)
@@ -183,8 +185,9 @@ def _together(pieces: tuple[_Differences, ...]) -> Deviation:
 def _place(block: Trajectory, position: int, shape: tuple[int, ...]) -> DeviationPlace:
     """Place of a position in the flattened values [frame, line, bead] of a block's atoms."""
     frame, line, bead = np.unravel_index(position, shape)
-    resonator, chain = divmod(int(line), block.problem.chains)
-    return DeviationPlace(chain + 1, int(block.beads[bead]), float(block.time[frame]), resonator)
+    system = block.problem.system
+    place = int(system.chain_of_line[line]) + 1, int(block.beads[bead]), float(block.time[frame])
+    return DeviationPlace(*place, *system.atom_at_bead(int(line)))
 
 
 class _Compared(NamedTuple):
@@ -378,7 +381,7 @@ def errors_of(blocks: Iterable[Trajectory], reference: Iterable[Trajectory]) -> 
 
 @dataclass(frozen=True)
 class ErrorMap:
-    """Largest |velocity difference| of any chain, resonators included, in cells of space and time.
+    """Largest |velocity difference| of any chain, other atoms included, in cells of space and time.
 
     Attributes:
         time: of the first frame of each cell and of the last frame of all, [cell + 1].

@@ -19,14 +19,15 @@ def differences(frames: Trajectory) -> list[str]:
         frames: [frame, chain, bead] from the start of a run on, with further lines of atoms where they are recorded.
     """
     problem = frames.problem
-    scale, chains = problem.scale, problem.chains
+    scale, system = problem.scale, problem.system
     displacement, velocity = (values[0] for values in frames.atoms)
     at_start = np.zeros_like(velocity)
-    at_start[:chains] = physics.initial_velocity(problem.system)[:, frames.beads - 1]
+    at_start[: system.chains] = physics.initial_velocity(system)[:, frames.beads - 1]
 
     def name(line: int, place: int) -> str:
-        bead = f"bead {frames.beads[place]} of chain {line % chains + 1}"
-        return bead if line < chains else f"the resonator at {bead}"
+        bead = f"bead {frames.beads[place]} of chain {system.chain_of_line[line] + 1}"
+        noun, _ = system.atom_at_bead(line)
+        return f"the {noun} at {bead}" if noun else bead
 
     moved = _largest(np.abs(displacement))
     if len(moved):

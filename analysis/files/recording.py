@@ -44,7 +44,7 @@ def atom_ids(problem: Problem) -> Integers:
 
 def rest_of_atoms(problem: Problem) -> Floats:
     """[atom] x of all atoms of a frame where LAMMPS has them at the start, to the last bit."""
-    rest = rest_positions(problem)[np.arange(problem.lines) % problem.chains].ravel()
+    rest = rest_positions(problem)[problem.system.chain_of_line[: problem.lines]].ravel()
     return rest if problem.lines == problem.chains else np.asarray(rest[all_ids(problem) - 1])
 
 

@@ -24,7 +24,6 @@ Examples:
 import collections
 import functools
 import io
-import itertools
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -423,31 +422,8 @@ def render_data(problem: Problem) -> str:
     side = text(apart)
     out.write(f"\n0 {text((beads + 1) * spacing)} xlo xhi\n")
     out.write(f"-{side} {text(apart * lines)} ylo yhi\n-{side} {side} zlo zhi\n")
-    places = [text(x) for x in problem.layout.places[0, :beads]]
-    kind = np.ones(beads, dtype=int)
-    if not problem.rows.neighbours:
-        kind[problem.rows.numbers - 1] = 2
-    diameter, unit = text(problem.layout.diameter), sphere_density(problem.layout.diameter)
-    same_size = f"{diameter} {text(unit)}"
     out.write(f"\nAtoms # {_atom_style(problem)}\n\n")
-    for line in range(problem.chains):
-        first, y = line * beads + 1, text(apart * line)
-        of_line = kind if by_contact is None else by_contact.of[line]
-        sizes: Iterator[str] = itertools.repeat(same_size, beads)
-        if not isinstance(system.mass, float):
-            sizes = (f"{diameter} {text(unit * bead_mass)}" for bead_mass in mass[line].tolist())
-        if not physics.even(system):
-            places = [text(x) for x in problem.layout.places[line]]
-        rows = enumerate(zip(of_line.tolist(), places, sizes, strict=True))
-        if _atom_style(problem) != "sphere":
-            molecules = itertools.count(1) if problem.rows.follow else itertools.repeat(line + 1)
-            out.writelines(
-                f"{first + i} {t} {x} {y} 0 {size} {m}\n" for (i, (t, x, size)), m in zip(rows, molecules, strict=False)
-            )
-        else:
-            out.writelines(f"{first + i} {t} {size} {x} {y} 0\n" for i, (t, x, size) in rows)
-    for line in range(problem.chains, lines):
-        out.writelines(_further_atoms(problem, line, mass[line], types, apart))
+    out.writelines(_atom_lines(problem, mass, _type_of_each(problem, types), apart))
     if _tied(system):
         out.write("\nBonds\n\n")
         bond = 0
@@ -460,6 +436,42 @@ def render_data(problem: Problem) -> str:
     return out.getvalue()
 
 
+def _type_of_each(problem: Problem, last: int) -> NDArray[np.int64]:
+    """Type of each atom, [line, bead]; atoms that are no beads are of the last type."""
+    by_contact, of_beads = _types(problem), slice(problem.chains)
+    types = np.full((physics.lines(problem.system), problem.rows.existing), last)
+    types[of_beads] = 1 if by_contact is None else by_contact.of
+    if by_contact is None and not problem.rows.neighbours:
+        types[of_beads, problem.rows.numbers - 1] = 2
+    return types
+
+
+def _atom_lines(problem: Problem, mass: NDArray[np.float64], types: NDArray[np.int64], apart: float) -> Iterator[str]:
+    """Line of text of each atom, line by line of atoms: at the place of its bead, beside the lines of atoms before.
+
+    Args:
+        problem: what is run.
+        mass: [line, bead], 0 where there is no atom.
+        types: [line, bead].
+        apart: lateral distance of two lines.
+    """
+    layout, alone = problem.layout, _atom_style(problem) == "sphere"
+    beads, unloaded = problem.rows.existing, physics.even(problem.system)
+    places = [text(x) for x in layout.places[0, :beads]]
+    for line, chain in enumerate(problem.system.chain_of_line.tolist()):
+        diameter = layout.diameter if line < problem.chains else layout.diameter_of_others
+        size, unit, first, y = text(diameter), sphere_density(diameter), line * beads + 1, text(apart * line)
+        density = functools.cache(lambda atom, unit=unit: text(unit * atom))
+        places = places if unloaded else [text(x) for x in layout.places[chain]]
+        of_line, kind = mass[line].tolist(), types[line].tolist()
+        for i in np.flatnonzero(mass[line]).tolist():
+            head, measures = f"{first + i} {kind[i]}", f"{size} {density(of_line[i])}"
+            if alone:
+                yield f"{head} {measures} {places[i]} {y} 0\n"
+            else:
+                yield f"{head} {places[i]} {y} 0 {measures} {i + 1 if problem.rows.follow else line + 1}\n"
+
+
 def _number_lines(problem: Problem) -> Iterator[str]:
     """Section of the numbers of every bead; none where no law has them."""
     if (numbers := _numbers(problem)) is None:
@@ -467,12 +479,3 @@ def _number_lines(problem: Problem) -> Iterator[str]:
     yield "\nNumbers\n\n"
     for atom, row in enumerate(np.moveaxis(numbers, 0, -1).reshape(-1, len(numbers)).tolist(), 1):
         yield f"{atom} {' '.join(map(text, row))}\n"
-
-
-def _further_atoms(problem: Problem, line: int, masses: NDArray[np.float64], kind: int, apart: float) -> Iterator[str]:
-    """Atoms of a line behind the chains, in the rows of their beads; it stands beside the chains and lines before."""
-    places, diameter = problem.layout.places[line % problem.chains], problem.layout.diameter_of_others
-    unit = sphere_density(diameter)
-    for bead in np.flatnonzero(masses).tolist():
-        x, size = text(places[bead]), f"{text(diameter)} {text(unit * masses[bead])}"
-        yield f"{line * problem.beads + bead + 1} {kind} {x} {text(apart * line)} 0 {size} {line + 1}\n"

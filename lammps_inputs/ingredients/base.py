@@ -1,7 +1,7 @@
 """What an ingredient of a scene is: keys that a user may write, and what becomes of them."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, NamedTuple, TypeVar, cast
 
@@ -14,7 +14,7 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.laws import Law, Parameter, dimensionless
 from lammps_inputs.links import Across, Link
 from lammps_inputs.loads import Load, Motion
-from lammps_inputs.system import System
+from lammps_inputs.system import FurtherLine, Noun, System
 from lammps_inputs.units import PURE, Label, Scale, Unit
 
 Positive = Annotated[float, Field(gt=0, le=1e30)]
@@ -161,11 +161,46 @@ class FurtherAtoms(NamedTuple):
         ties: links of these lines, which count on from the chains, with chains and each other; their law is 0 where
             there is no atom.
         dampers: dashpots of these lines, counted in the same way.
+        noun: what an atom is called, and several of them: in the energy budget, in exported frames, on pages.
+        chain_of_line: chain that each line belongs to, counted from 0; empty where the lines are those of all chains in
+            turn, once or several times.
     """
 
     mass: NDArray[np.float64]
     ties: tuple[Across, ...]
     dampers: tuple[Across, ...] = ()
+    noun: Noun = Noun("inner atom", "inner atoms")
+    chain_of_line: tuple[int, ...] = ()
+
+    def lines(self, chains: int) -> tuple[FurtherLine, ...]:
+        """The lines of a system of so many chains."""
+        of_line = self.chain_of_line or (np.arange(len(self.mass)) % chains).tolist()
+        return tuple(FurtherLine(mass, chain, self.noun) for mass, chain in zip(self.mass, of_line, strict=True))
+
+
+def together(
+    chains: int, each: Iterable[FurtherAtoms]
+) -> tuple[tuple[FurtherLine, ...], tuple[Across, ...], tuple[Across, ...]]:
+    """Lines of all atoms that ingredients add to so many chains, their ties and dashpots.
+
+    Lines of one ingredient stand in those of another of the same noun and chain whose places are free, else after them.
+    """
+    lines: list[FurtherLine] = []
+    ties: list[Across] = []
+    dampers: list[Across] = []
+    for atoms in each:
+        added = atoms.lines(chains)
+        first = next(n for n in range(len(lines) + 1) if all(map(_free, lines[n:], added)))
+        shared = [replace(line, mass=line.mass + more.mass) for line, more in zip(lines[first:], added, strict=False)]
+        lines[first : first + len(added)] = [*shared, *added[len(shared) :]]
+        ties += [link.counted_on(chains, first) for link in atoms.ties]
+        dampers += [link.counted_on(chains, first) for link in atoms.dampers]
+    return tuple(lines), tuple(ties), tuple(dampers)
+
+
+def _free(line: FurtherLine, added: FurtherLine) -> bool:
+    """Whether the atoms of another line may stand in a line."""
+    return (line.chain, line.noun) == (added.chain, added.noun) and not np.any(line.mass * added.mass)
 
 
 class Ingredient(ScenePart):

@@ -58,9 +58,9 @@ def contacts(energy: str, says: str, layout: BeadLayout) -> DeckLines:
 
 def beads_alone(layout: BeadLayout) -> tuple[str, ...]:
     """Lines by which atoms that are no beads have no pair force: a formula of the distance knows no diameters."""
-    if layout.group == "all":
+    if not layout.others:
         return ()
-    return ("group inner subtract all beads", "neigh_modify exclude group inner all   # resonators touch nothing")
+    return ("group inner subtract all beads", f"neigh_modify exclude group inner all   # {layout.others} touch nothing")
 
 
 def across(energy: str) -> Callable[[Any, LinksAcross, BeadLayout], DeckLines]:

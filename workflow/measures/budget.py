@@ -1,5 +1,6 @@
 """Energy budget over time: energy input, where it is stored, what is dissipated, and how well the balance is closed."""
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Self
@@ -24,6 +25,9 @@ _STORED = {
 
 _WORDS = {"ground": "foundation and weights", "springs": "springs between chains"}
 """Names in the legend, of those that differ from the account's."""
+
+_OTHERS = ("#882255", "#AA4499", "#44AA99", "#117733")
+"""Of energies of atoms beside the beads that are no resonators."""
 
 _LOST = ("#D55E00", "#E69F00", "#CC79A7", "#999999", "#661100")
 
@@ -78,11 +82,12 @@ class BudgetMeasurement(Measurement):
         time, energy = axis_unit(problem, "time", float(account.time[-1])), axis_unit(problem, "energy", largest)
         width = averages.oscillations_to_average(account.kinetic, largest)
         t, colours = account.time * time.worth, iter(_LOST)  # there are five at most
+        stored = dict(zip(account.other_atoms or (), itertools.cycle(_OTHERS), strict=False)) | _STORED
         layers = []
         for name, part in (*account.stored.items(), *account.losses.items()):
             if np.max(np.abs(part)) > _NOTICED * largest:
-                lost = name not in _STORED
-                look = {"facecolor": next(colours) if lost else _STORED[name], "hatch": "////" if lost else ""}
+                lost = name not in stored
+                look = {"facecolor": next(colours) if lost else stored[name], "hatch": "////" if lost else ""}
                 values = averages.moving_mean(part, width) * energy.worth
                 layers.append(Curve(_WORDS.get(name, name), t, values, look=look))
         energy_input = averages.moving_mean(account.energy_input, width) * energy.worth

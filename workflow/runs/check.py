@@ -75,7 +75,7 @@ def stored_check(directory: RunDirectory) -> Check | None:
     record = directory.account.check
     if record is None:
         return None
-    where = None if record.where is None else DeviationPlace(**record.where.model_dump())
+    where = None if record.where is None else DeviationPlace(**record.where.values)
     numbers: dict[str, Any] = {
         name: math.nan if value is None else value for name, value in record.reference.model_dump().items()
     }

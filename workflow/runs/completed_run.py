@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from analysis.compare.difference import DeviationPlace, Uncertainty
 from analysis.trajectory import FramesInUnits, Trajectory
 from lammps_inputs import html
+from workflow.runs.job import ErrorPlace
 from workflow.runs.run_directory import RunDirectory
 
 
@@ -14,9 +15,9 @@ class Check:
     """Measured error of a run, dimensionless.
 
     Attributes:
-        velocity: largest error of any velocity, of beads and resonators, in the frames that are compared: all of a
+        velocity: largest error of any velocity, of beads and other atoms, in the frames that are compared: all of a
             little run, else those that `workflow.prepare.pilot` chooses.
-        where: at which bead or resonator, and time.
+        where: at which bead or other atom, and time.
         arrival: largest error of an arrival of the leading pulse, where `analysis.tracking.peaks.sharp`; NaN where none
             is.
         amplitude: largest error of a peak velocity of the leading pulse; NaN where none was seen.
@@ -48,7 +49,8 @@ class Check:
 
     def plain(self) -> dict[str, object]:
         """Plain data of the check, for ``run.json``."""
-        return asdict(self)
+        where = None if self.where is None else ErrorPlace.of(**asdict(self.where)).plain()
+        return asdict(self) | {"where": where}
 
 
 @dataclass(frozen=True)

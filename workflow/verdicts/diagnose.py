@@ -25,6 +25,7 @@ from analysis.compare.scaled import scale_factor
 from analysis.files.recording import rest_positions
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs.loads import Motion
+from lammps_inputs.system import System
 from lammps_inputs.units import Scale
 from workflow.verdicts.long_step import long_step
 
@@ -83,7 +84,7 @@ def diagnose(trajectory: Trajectory, reference: Trajectory) -> Diagnosis:
     if not reason:
         identification = identify(trajectory, reference)
         departures += identification.departures
-        reason = _undetermined(identification, trajectory.problem.chains)
+        reason = _undetermined(identification, trajectory.problem.system)
     causes = [_sentence(departure, trajectory.problem.scale) for departure in departures]
     return Diagnosis(tuple(causes), "" if causes else f"no cause could be determined: {reason}")
 
@@ -178,13 +179,13 @@ def _reason_against(trajectory: Trajectory, reference: Trajectory) -> str:
     if not trajectory.problem.forces_known:
         return "forces of contacts that yield depend on their past"
     if not (trajectory.all_lines and reference.all_lines):
-        return "the motion of the resonators is not recorded"
+        return f"the motion of the {trajectory.problem.system.others} is not recorded"
     if trajectory.frames < LEAST_FRAMES:
         return f"there are {trajectory.frames} frames, of {LEAST_FRAMES} that are needed"
     return ""
 
 
-def _undetermined(identification: Identification, chains: int) -> str:
+def _undetermined(identification: Identification, system: System) -> str:
     """Why the momentum equations show no cause."""
     unexplained, interpolation = identification.unexplained, identification.interpolation
     line, bead = identification.place
@@ -201,7 +202,7 @@ def _undetermined(identification: Identification, chains: int) -> str:
         return "several factors of forces or masses explain the motion alike"
     return (
         f"the forces of the scene leave {unexplained:.2g} of the changes of momentum unexplained, most at bead "
-        f"{bead + 1} of chain {line % chains + 1}, and no factors of one kind explain it"
+        f"{bead + 1} of chain {system.chain_of_line[line] + 1}, and no factors of one kind explain it"
     )
 
 
@@ -212,7 +213,7 @@ def _sentence(departure: Departure, scale: Scale) -> str:
     are, do = ("are", "do") if name.split()[0].endswith("s") else ("is", "does")
     if name == "beads":
         name = "all beads"
-    elif quantity != "mass" or name.startswith("resonators"):
+    elif quantity != "mass" or name.split()[0] not in ("bead", "beads"):
         name = f"the {name}"
     adjective = "heavy" if quantity == "mass" else "strong"
     if departure.count > 1:

@@ -58,7 +58,7 @@ def test_frequencies_of_a_loaded_chain_between_fixed_beads_are_those_of_springs(
     shape = np.sin(np.pi * np.outer(number, number) / 13)
     assert np.allclose(np.abs(modes.shapes[:, 0]), np.abs(shape) * math.sqrt(2.0 / 13), atol=1e-10)
     # (sum e)^2 / sum e^2 of e = sin^2: (13 / 2)^2 / (3 / 8 * 13)
-    assert linear.centre(modes.energies[0], 1) == pytest.approx((13.0 * 2.0 / 3.0, 6.5, 1.0))
+    assert linear.centre(modes.energies[0], modes.system) == pytest.approx((13.0 * 2.0 / 3.0, 6.5, 1.0))
 
 
 def test_resonators_are_further_atoms_and_open_the_gap_of_an_infinite_chain():

@@ -119,11 +119,11 @@ def test_lines_of_theory_are_named_where_the_theory_applies_and_have_its_speed(p
 def test_walls_and_resonators_are_drawn_where_there_are_any(pages):
     walls = {name: len(page.drawn("walls")) for name, page in pages.items()}
     assert walls == {"coupled": 0, "loaded": 0, "resonating": 1, "driven": 0}
-    resonators = pages["resonating"].part.resonators
+    resonators = pages["resonating"].part.others
     assert np.isfinite(resonators[0]).any(axis=0).tolist() == [10 <= place < 20 for place in range(30)]
     (frames,) = pages["resonating"].directory.blocks()
     assert np.array_equal(resonators[0, :, 10:20], frames.further_lines[:, 0, 0, 10:20])
-    assert pages["coupled"].part.resonators.size == 0
+    assert pages["coupled"].part.others.size == 0
 
 
 def test_energies_of_the_beads_add_up_to_that_of_the_chain(pages):

@@ -99,8 +99,7 @@ def of_forces(measured: Measured, scene: Scene) -> list[str]:
     """Sentences on the pairs and walls whose forces are not the scene's, where they differ most, most first."""
     problem = scene.problem()
     system, scale = problem.system, problem.scale
-    chains, lines = system.chains, physics.lines(system)
-    of_line = np.arange(lines) % chains  # atoms inside the beads move with them
+    chains, of_line = system.chains, system.chain_of_line  # atoms inside the beads move with them
     overall = max(float(np.max(np.abs(probe.force))) for probe in measured.probes)
     worst: dict[tuple[int, int], tuple[float, str]] = {}
     for probe in measured.probes:

@@ -29,7 +29,7 @@ def springs(problem: Problem) -> list[tuple[int, int, Flags]]:
 
 @dataclass(frozen=True)
 class DrawnAtoms:
-    """DrawnAtoms of every frame: the recorded beads, and resonators after them; in a window the beads that it holds.
+    """Atoms of every frame: the recorded beads, in a window those that it holds, and other atoms such as resonators.
 
     Attributes:
         problem: what was run.
@@ -41,7 +41,7 @@ class DrawnAtoms:
 
     @cached_property
     def line(self) -> Integers:
-        """Line of each atom, [atom] from 0: the chain, or a line of resonators after all chains."""
+        """Line of each atom, [atom] from 0: the chain, or a line of other atoms after all chains."""
         return np.asarray(self._places // self.problem.rows.count)
 
     @cached_property
@@ -63,7 +63,7 @@ class DrawnAtoms:
         problem, layout = self.problem, self.problem.layout
         recorded = self.relative_radii[:, problem.rows.numbers[: problem.rows.count] - 1]
         beads = 0.5 * layout.diameter * recorded / np.max(self.relative_radii)
-        of_chain = beads[self.line % problem.chains, self.column]
+        of_chain = beads[problem.system.chain_of_line[self.line], self.column]
         return np.where(self.line < problem.chains, of_chain, 0.5 * layout.diameter_of_others)
 
     @cached_property
@@ -87,10 +87,11 @@ class DrawnAtoms:
 
     @property
     def names(self) -> list[str]:
-        """Name of each line of atoms."""
-        chains = self.problem.chains
-        further = range(1, self.problem.lines - chains + 1)
-        return [*(f"chain {n}" for n in range(1, chains + 1)), *(f"resonators {n}" for n in further)]
+        """Name of each line of atoms: a chain, or the noun of other atoms and the number of the line among theirs."""
+        names = {chain: f"chain {chain + 1}" for chain in range(self.problem.chains)}
+        for noun, lines in self.problem.system.lines_by_noun.items():
+            names |= {line: f"{noun.plural} {n}" for n, line in enumerate(lines.tolist(), 1)}
+        return [names[line] for line in range(self.problem.lines)]
 
     def beads(self, block: Trajectory) -> Integers:
         """Number of the bead of each atom in a block, [atom] from 1."""
@@ -99,7 +100,7 @@ class DrawnAtoms:
     def frames(self, block: Trajectory) -> Iterator[tuple[float, Floats, Floats]]:
         """Time, x and velocity [atom] of each frame of a block."""
         places = self.problem.layout.places[:, block.beads - 1]
-        rest = places[self.line % self.problem.chains, self.column]
+        rest = places[self.problem.system.chain_of_line[self.line], self.column]
         x, v = block.atoms
         for frame, time in enumerate(block.time):
             yield float(time), rest + x[frame, self.line, self.column], v[frame, self.line, self.column]
@@ -221,7 +222,8 @@ def _vmd_head(atoms: DrawnAtoms, block: Trajectory) -> str:
         neighbours[first].append(second)
         neighbours[second].append(first)
     bonds = " ".join(f"{{{' '.join(map(str, ends))}}}" for ends in neighbours)
-    segments = " ".join(f"C{n + 1}" if n < atoms.problem.chains else f"R{n + 1}" for n in atoms.line.tolist())
+    segment_of = [f"{name[0].upper()}{n}" for n, name in enumerate(atoms.names, 1)]
+    segments = " ".join(segment_of[n] for n in atoms.line.tolist())
     name = "".join(
         sign if sign.isascii() and (sign.isalnum() or sign in " -_.") else "_"
         for sign in screen.one_line(atoms.problem.name)

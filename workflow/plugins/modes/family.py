@@ -44,7 +44,7 @@ class PeriodicFamily(BranchOfMode):
     @property
     def participation(self) -> Floats:
         """Participation numbers of the beads' mean kinetic energies, [state]."""
-        return np.array([centre(np.array(periodic["kinetic"]), self.problem.chains)[0] for periodic in self.states])
+        return np.array([centre(np.array(periodic["kinetic"]), self.problem.system)[0] for periodic in self.states])
 
     def changes(self, *kinds: str) -> list[dict[str, Any]]:
         """Changes of stability of some kinds, in order along the branch."""

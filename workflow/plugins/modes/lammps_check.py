@@ -63,7 +63,7 @@ def steps_per_period(problem: Problem, period: float) -> int:
 def deck_files(problem: Problem, displacement: Floats, velocity: Floats) -> dict[str, str]:
     """Deck that starts at displacements and velocities, [line, bead] in units of L and V, by file name."""
     opening = float(np.max(np.diff(displacement[: problem.chains], axis=-1), initial=0.0))
-    places = problem.layout.places[np.arange(len(displacement)) % problem.chains] + displacement
+    places = problem.layout.places[problem.system.chain_of_line] + displacement
     lines = [
         f"set atom {atom} x {numbers.text(places.flat[atom - 1])} vx {numbers.text(velocity.flat[atom - 1])}"
         for atom in physics.atom_ids(problem.system).tolist()

@@ -161,14 +161,14 @@ def free_to_drift(modes: LinearModes) -> bool:
     return bool(np.all(np.abs(forces) <= ZERO * modes.frequency.max() ** 2))
 
 
-def centre(energies: Floats, chains: int) -> tuple[float, float, float]:
+def centre(energies: Floats, system: System) -> tuple[float, float, float]:
     """Participation number, mean bead and mean chain, both counted from 1, of energies of atoms [line, bead].
 
     An atom of a further line counts as one of its bead's chain.
     """
-    lines, beads = energies.shape
+    beads = energies.shape[1]
     weights = energies / np.sum(energies)
-    chain = np.arange(lines) % chains + 1.0
+    chain = system.chain_of_line + 1.0
     return (
         motion.participation(energies),
         float(np.sum(weights * np.arange(1, beads + 1))),

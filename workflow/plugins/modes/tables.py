@@ -150,9 +150,8 @@ class ModesResult:
 
     def modes(self) -> list[LinearMode]:
         """All linear modes."""
-        chains = self.problem.chains
         return [
-            LinearMode(number, float(frequency), *centre(energies, chains))
+            LinearMode(number, float(frequency), *centre(energies, self.linear.system))
             for number, (frequency, energies) in enumerate(
                 zip(self.linear.frequency, self.linear.energies, strict=True), 1
             )
@@ -163,7 +162,7 @@ class ModesResult:
         lines = []
         for branch in self.branches:
             for number, state in enumerate(branch.states, 1):
-                participation, bead, chain = centre(np.array(state["kinetic"]), self.problem.chains)
+                participation, bead, chain = centre(np.array(state["kinetic"]), self.problem.system)
                 lines.append(
                     StateLine(
                         mode=branch.mode + 1,

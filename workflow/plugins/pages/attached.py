@@ -1,4 +1,4 @@
-"""Walls and resonators among the moving beads."""
+"""Walls and other atoms, such as resonators, among the moving beads."""
 
 from typing import Any
 
@@ -49,20 +49,23 @@ def draw_walls(plot: Any, problem: Problem, part: Thinned) -> bool:
     return bool(centres)
 
 
-def draw_resonators(plot: Any, part: Thinned, slider: Slider, exaggerated: float, sight: tuple[float, float]) -> bool:
-    """Draw a small circle for each resonator that moves with the time of a slider; whether there are any.
+def draw_others(
+    plot: Any, name: str, part: Thinned, slider: Slider, exaggerated: float, sight: tuple[float, float]
+) -> bool:
+    """Draw a circle that moves with the time of a slider for each atom beside the beads; whether there are any.
 
     Args:
         plot: of the moving beads.
+        name: what these atoms are called.
         part: of a run's frames, in units of the page.
         slider: of the time.
         exaggerated: distance on the axis for a displacement of one unit of the page.
         sight: distance on the axis that is seen at most, and pixels of the largest bead at most.
     """
-    if not np.any(np.isfinite(part.resonators)):
+    if not np.any(np.isfinite(part.others)):
         return False
-    lines = ColumnDataSource({"displacement": [line.astype(np.float32) for line in part.resonators]})
-    dots = ColumnDataSource(name="resonators", data={"x": [], "y": [], "r": []})
+    lines = ColumnDataSource({"displacement": [line.astype(np.float32) for line in part.others]})
+    dots = ColumnDataSource(name=name, data={"x": [], "y": [], "r": []})
     plot.scatter("x", "y", size="r", source=dots, fill_color="#ffffff", line_color="#000000", line_width=1.5)
     most_places, most_pixels = sight
     places = part.places.tolist()
@@ -71,7 +74,7 @@ def draw_resonators(plot: Any, part: Thinned, slider: Slider, exaggerated: float
         "slider": slider,
         "lines": lines,
         "dots": dots,
-        "rows": [part.chains.index(chain) for chain in part.tied_to],
+        "rows": [part.chains.index(chain) for chain in part.chain_of_other],
         "places": places,
         "frames": len(part.time),
         "spacing": part.spacing,

@@ -3,13 +3,13 @@
 Also in which units it shows them: those of the run's figures, so that axes need no powers of ten.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granchain.parts import Fact, Floats, Integers, Problem, Trajectory, motion, spacetime
+from granchain.parts import Fact, Floats, Integers, Problem, Trajectory, motion, physics, spacetime
 from workflow.plugins.pages.units import Units, page_unit
 
 MOST_BEADS = 500
@@ -35,8 +35,8 @@ class Thinned:
             that is not known, and of rigid beads.
         density: energy of each bead, [chain, frame, bead]; NaN where not every bead was recorded.
         energy: of each chain's beads, [chain, frame]; likewise.
-        resonators: displacement of lines of atoms that are no beads, [line, frame, bead]; NaN where there is no atom.
-        tied_to: number of the chain that each of these lines is tied to.
+        others: displacement of lines of atoms that are no beads, [line, frame, bead]; NaN where there is no atom.
+        chain_of_other: number of the chain that each of these lines belongs to.
         bead_stride, frame_stride: every how many there are here.
     """
 
@@ -49,8 +49,8 @@ class Thinned:
     force: Floats
     density: Floats
     energy: Floats
-    resonators: Floats
-    tied_to: list[int]
+    others: Floats
+    chain_of_other: list[int]
     bead_stride: int
     frame_stride: int
 
@@ -77,7 +77,7 @@ class Thinned:
     def measured(self, units: Units) -> "Thinned":
         """Thinned run with its arrays in units of the page, such as ms and mm/s."""
         kinds = {name: name for name in ("time", "velocity", "force", "energy")}
-        kinds |= {"displacement": "length", "overlap": "length", "density": "energy", "resonators": "length"}
+        kinds |= {"displacement": "length", "overlap": "length", "density": "energy", "others": "length"}
         return replace(self, **{name: getattr(self, name) * units[kind].worth for name, kind in kinds.items()})
 
 
@@ -105,7 +105,8 @@ def thinned(
     numbers = (problem.frames + 1) * len(chains)
     recorded_numbers = numbers * problem.rows.count // beads.step
     stride = max(1, -(-recorded_numbers // most_numbers), -(-numbers * len(recorded[beads]) // MOST_HELD))
-    tied = _tied(problem, chains)
+    lines = np.flatnonzero(np.isin(problem.system.chain_of_line, chains))
+    lines = lines[lines >= problem.chains]
     parts: list[tuple[Floats, ...]] = []
     nearest: list[Integers] = []  # number of the kept frame that each of some velocities is nearest to
     fastest: list[Floats] = []
@@ -114,14 +115,14 @@ def thinned(
         frames = _whole(block[-frames_read % stride :: stride])
         density = _energy(frames, energies)
         of_beads = (values[:, chains, beads] for values in (*_of(frames, deforms), density))
-        parts.append((frames.time, density.sum(axis=-1)[:, chains], _resonators(frames, tied)[..., beads], *of_beads))
+        parts.append((frames.time, density.sum(axis=-1)[:, chains], _others(frames, lines)[..., beads], *of_beads))
         near = (np.arange(frames_read, frames_read + block.frames) + stride // 2) // stride
         near, first = np.unique(near, return_index=True)
         largest = replace(block, displacement=block.displacement[first], velocity=_largest(block.velocity, first))
         nearest.append(near)
         fastest.append(_whole(largest).velocity[:, chains, beads])
         frames_read += block.frames
-    time, energy, resonators, *values = (np.concatenate(kind) for kind in zip(*parts, strict=True))
+    time, energy, others, *values = (np.concatenate(kind) for kind in zip(*parts, strict=True))
     near = np.minimum(np.concatenate(nearest), len(time) - 1)  # the last frames are nearer to one that would follow
     values.append(_largest(np.concatenate(fastest), np.unique(near, return_index=True)[1]))
     x, overlap, force, density, v = (np.ascontiguousarray(kind.transpose(1, 0, 2)) for kind in values)
@@ -135,8 +136,8 @@ def thinned(
         force=force,
         density=density,
         energy=energy.T,
-        resonators=np.ascontiguousarray(resonators.transpose(1, 0, 2)),
-        tied_to=[chain + 1 for chain in tied.values()][: resonators.shape[1]],
+        others=np.ascontiguousarray(others.transpose(1, 0, 2)),
+        chain_of_other=(problem.system.chain_of_line[lines] + 1).tolist()[: others.shape[1]],
         bead_stride=beads.step,
         frame_stride=stride,
     )
@@ -171,21 +172,12 @@ def _energy(frames: Trajectory, energies: bool) -> Floats:
     return motion.bead_energy(frames.system, frames.displacement, frames.velocity)
 
 
-def _tied(problem: Problem, chains: list[int]) -> dict[int, int]:
-    """Line of atoms that are no beads -> chain that it is tied to, all counted from 0; for some chains."""
-    tied = {chain: chain for chain in range(problem.chains)}
-    for link in problem.system.ties:
-        tied |= {higher: tied[lower] for lower, higher in link.edges}
-    return {line: chain for line, chain in tied.items() if line >= problem.chains and chain in chains}
-
-
-def _resonators(frames: Trajectory, tied: Mapping[int, int]) -> Floats:
-    """Displacement of tied lines of atoms, [frame, line, bead]; NaN where there is no atom, no line if not recorded."""
-    mass = frames.problem.system.further_mass
-    if mass is None or frames.further_lines is None:
+def _others(frames: Trajectory, lines: Integers) -> Floats:
+    """Displacement of other atoms, [frame, line, bead]; NaN where there is no atom, no line where not recorded."""
+    if not (len(lines) and frames.all_lines):
         return np.zeros((frames.frames, 0, frames.displacement.shape[-1]))
-    lines = np.array(list(tied), dtype=int) - frames.problem.chains
-    return np.where(mass[lines] > 0.0, frames.further_lines[:, 0, lines], np.nan)
+    mass = np.asarray(physics.masses(frames.problem.system))
+    return np.where(mass[lines] > 0.0, frames.atoms[0][:, lines], np.nan)
 
 
 # --- units ------------------------------------------------------------------------------------------------------------

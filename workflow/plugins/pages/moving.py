@@ -1,4 +1,4 @@
-"""Beads, springs, contact forces, walls and resonators that move along the chains, under a slider."""
+"""Beads, springs, contact forces, walls and other atoms that move along the chains, under a slider."""
 
 from typing import Any
 
@@ -16,7 +16,7 @@ from bokeh.models import (
 from bokeh.plotting import figure
 
 from granchain.parts import Floats, Problem, spacetime
-from workflow.plugins.pages.attached import draw_resonators, draw_walls
+from workflow.plugins.pages.attached import draw_others, draw_walls
 from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.plots import chain_name, label, label_of, lists, name_places, number
 from workflow.plugins.pages.save_data import add_tool_of_columns
@@ -123,14 +123,15 @@ def moving_beads(
         code=_MOVE,
     )
     slider.js_on_change("value", move)
-    resonators = draw_resonators(plot, part, slider, exaggerated, (sight, _WIDEST))
+    others = problem.system.others
+    drawn = draw_others(plot, others, part, slider, exaggerated, (sight, _WIDEST))
     plot.js_on_change("inner_width", move)  # once, when the page is laid out
-    others = "; dragged sideways, the picture shows other beads" if len(part.beads) > BEADS_IN_SIGHT else ""
+    dragged = "; dragged sideways, the picture shows other beads" if len(part.beads) > BEADS_IN_SIGHT else ""
     further = {
         "hatched": "walls" if draw_walls(plot, problem, part) else "",
-        "small circles": "resonators" if resonators else "",
+        "small circles": others if drawn else "",
     }
-    words = "".join(f"; {look}: {name}" for look, name in further.items() if name) + others
+    words = "".join(f"; {look}: {name}" for look, name in further.items() if name) + dragged
     scales = Div(text=_scales(part, units, strongest if strongest > least else 0.0, words))
     return plot, column(bar, scales, sizing_mode="stretch_width")
 
