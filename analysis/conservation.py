@@ -191,7 +191,7 @@ def _stored(system: System, x: Floats, v: Floats) -> list[Floats]:
 
 
 def _of_others(system: System, x: Floats, v: Floats) -> list[Floats]:
-    """Energies of atoms that are no beads by their noun, kinetic and of their ties, each [frame]; NaN if not recorded."""
+    """Energies of atoms that are no beads, by noun, with those of their ties, each [frame]; NaN if not recorded."""
     if v.shape[1] < physics.lines(system):
         return [np.full(len(x), np.nan) for _ in system.lines_by_noun]
     kinetic = motion.kinetic_energy(system, v).sum(axis=-1)

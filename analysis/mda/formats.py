@@ -45,7 +45,7 @@ _RECORDED = re.compile(r"^group recorded (type|id) (.+)$", re.MULTILINE)
 class ChainsParser(TopologyReaderBase):  # type: ignore[misc]  # MDAnalysis has no types
     """Topology of a ``data.chains``, with the beads that the ``in.chains`` beside it records.
 
-    - segment: a chain, ``segid C1``, ``C2`` and so on; of resonators, ``R1`` and so on;
+    - segment: a chain, ``segid C1``, ``C2`` and so on; of atoms beside the beads, such as resonators, ``R1`` and so on;
     - residue: a bead of a chain, ``resid`` from 1; in a window a row;
     - atom: the same bead; ``id`` is LAMMPS's, ``mass`` and ``radius`` are in LAMMPS's own (dimensionless) units;
     - bond: a spring between chains.
@@ -105,7 +105,7 @@ class TopologyAtoms:
         kind: its type.
         mass, radius: dimensionless.
         bead: number of the bead in its chain, from 1; in a window of the row.
-        line: its chain, or line of resonators, from 0.
+        line: its chain, or line of other atoms, from 0.
     """
 
     number: Integers
@@ -117,7 +117,7 @@ class TopologyAtoms:
 
 
 def segment_names(chains: int, further: int) -> list[str]:
-    """Names of the chains and of the lines of resonators after them."""
+    """Names of the chains and of the lines of other atoms after them."""
     return [*(f"C{n}" for n in range(1, chains + 1)), *(f"R{n}" for n in range(1, further + 1))]
 
 

@@ -44,7 +44,7 @@ def universe(problem: Problem, dumps: Sequence[Path | str]) -> MDAnalysis.Univer
 
 
 def topology_of(problem: Problem) -> Topology:
-    """The recorded atoms of a problem: chains and lines of resonators as segments, springs between them as bonds."""
+    """The recorded atoms of a problem: chains and lines of other atoms as segments, springs between them as bonds."""
     number, rows = all_ids(problem), problem.rows.existing
     line, bead = (number - 1) // rows, (number - 1) % rows + 1
     masses = np.broadcast_to(physics.masses(problem.system), (physics.lines(problem.system), problem.beads))

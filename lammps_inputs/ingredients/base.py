@@ -161,7 +161,7 @@ class FurtherAtoms(NamedTuple):
         ties: links of these lines, which count on from the chains, with chains and each other; their law is 0 where
             there is no atom.
         dampers: dashpots of these lines, counted in the same way.
-        noun: what an atom is called, and several of them: in the energy budget, in exported frames, on pages.
+        noun: what one atom is called, and several: in the energy budget, deviations, exported frames and on pages.
         chain_of_line: chain that each line belongs to, counted from 0; empty where the lines are those of all chains in
             turn, once or several times.
     """
@@ -169,13 +169,14 @@ class FurtherAtoms(NamedTuple):
     mass: NDArray[np.float64]
     ties: tuple[Across, ...]
     dampers: tuple[Across, ...] = ()
-    noun: Noun = Noun("inner atom", "inner atoms")
+    noun: tuple[str, str] = ("inner atom", "inner atoms")
     chain_of_line: tuple[int, ...] = ()
 
     def lines(self, chains: int) -> tuple[FurtherLine, ...]:
         """The lines of a system of so many chains."""
         of_line = self.chain_of_line or (np.arange(len(self.mass)) % chains).tolist()
-        return tuple(FurtherLine(mass, chain, self.noun) for mass, chain in zip(self.mass, of_line, strict=True))
+        noun = Noun(*self.noun)
+        return tuple(FurtherLine(mass, chain, noun) for mass, chain in zip(self.mass, of_line, strict=True))
 
 
 def together(

@@ -29,15 +29,12 @@ from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Across
 from lammps_inputs.numbers import number_or_array
 from lammps_inputs.physics import PULSE_RATE
-from lammps_inputs.system import Noun
 from lammps_inputs.units import Label, Unit
 
 Floats = NDArray[np.float64]
 Mass = Annotated[NotNegative, Unit("kg")]
 
 KEY = "resonators"
-
-NOUN = Noun("resonator", "resonators")
 
 LIGHTEST, HEAVIEST = 1e-6, unequal.MOST
 """Masses in that of the reference bead: a lighter one is none, a heavier one rests."""
@@ -113,7 +110,7 @@ class Resonators(Ingredient):
         dashpot: Any = Dashpot(number_or_array(self._in_rows(np.where(present, damping, 0.0), setting)))
         dampers = (Across("resonator_damping", dashpot, edges=edges),) if np.any(damping[present]) else ()
         name = setting.key_of(self).replace("[", "_").rstrip("]")
-        return FurtherAtoms(table, (Across(name, spring, edges=edges),), dampers, NOUN)
+        return FurtherAtoms(table, (Across(name, spring, edges=edges),), dampers, ("resonator", "resonators"))
 
     def lacks(self, setting: Setting) -> frozenset[Fact]:
         """Exact solitary waves; a leading pulse where resonators are too slow; with dashpots what these take."""

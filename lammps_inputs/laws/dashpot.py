@@ -25,11 +25,14 @@ Examples:
     0.0749
 """
 
+import itertools
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Annotated, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lammps_inputs import engine_limits, laws
 from lammps_inputs.deck_lines import AtomTypes, BeadLayout, DeckLines, LinksAcross, atoms_by_value
@@ -119,24 +122,39 @@ class Dashpot(DashpotLaw):
 
         LAMMPS has no dashpots in bonds. The two are a chunk of atoms, of which the sum of the velocities is known.
         """
-        beads, apart = layout.beads, link.edges[0][1] - link.edges[0][0]
         lines = [
             "# dashpots inside the beads: of a bead and its inner atom, a chunk, the sum of both velocities is known"
         ]
-        for kind, ((coefficient,), atoms) in enumerate(atoms_by_value(link.name, self, (len(link.edges), beads)), 1):
-            name, ranges = f"{link.name}{link.number}_{kind}", [list(map(int, ids.split(":"))) for ids in atoms.split()]
-            tied = " ".join(f"{first + apart * beads}:{last + apart * beads}" for first, last in ranges)
-            lines += [
-                f"group {name} id {atoms} {tied}",
-                f"variable {name}_pair atom id-{apart * beads}*(id>{layout.chains * beads})",
-                f"compute {name}_pair {name} chunk/atom v_{name}_pair nchunk once ids once",
-                f"variable {name}_own atom vx",
-                f"compute {name}_sum {name} reduce/chunk {name}_pair sum v_{name}_own",
-                f"compute {name}_both {name} chunk/spread/atom {name}_pair c_{name}_sum",
-                f"variable {name} atom -{text(coefficient)}*(2*vx-c_{name}_both)",
-                f"fix {name} {name} addforce v_{name} 0.0 0.0",
-            ]
+        kinds = itertools.count(1)
+        for apart, table in self._by_distance(link, layout):
+            first_tied, apart = table.size, apart * layout.beads
+            for (coefficient,), atoms in atoms_by_value(link.name, (table,), table.shape):
+                name = f"{link.name}{link.number}_{next(kinds)}"
+                ranges = [list(map(int, ids.split(":"))) for ids in atoms.split()]
+                tied = " ".join(f"{first + apart}:{last + apart}" for first, last in ranges)
+                lines += [
+                    f"group {name} id {atoms} {tied}",
+                    f"variable {name}_pair atom id-{apart}*(id>{first_tied})",
+                    f"compute {name}_pair {name} chunk/atom v_{name}_pair nchunk once ids once",
+                    f"variable {name}_own atom vx",
+                    f"compute {name}_sum {name} reduce/chunk {name}_pair sum v_{name}_own",
+                    f"compute {name}_both {name} chunk/spread/atom {name}_pair c_{name}_sum",
+                    f"variable {name} atom -{text(coefficient)}*(2*vx-c_{name}_both)",
+                    f"fix {name} {name} addforce v_{name} 0.0 0.0",
+                ]
         return DeckLines(motion=tuple(lines))
+
+    def _by_distance(self, link: LinksAcross, layout: BeadLayout) -> Iterator[tuple[int, NDArray[np.float64]]]:
+        """Distance of two tied lines, and coefficients [lower line, bead] of pairs so far apart; no atom is in two."""
+        of_edge = np.broadcast_to(self.coefficient, (len(link.edges), layout.beads))
+        groups: dict[tuple[int, int], list[int]] = {}
+        for edge, (lower, higher) in enumerate(link.edges):
+            groups.setdefault((higher - lower, max(lower, layout.chains - 1)), []).append(edge)
+        for (apart, _), edges in groups.items():
+            lower = [link.edges[edge][0] for edge in edges]
+            table = np.zeros((max(lower) + 1, layout.beads))
+            table[lower] = of_edge[edges]
+            yield apart, table
 
 
 class ContactDashpot(DashpotLaw):

@@ -119,7 +119,8 @@ class ErrorPlace(RecordPart):
     @classmethod
     def of(cls, *, noun: str, number: int, **place: Any) -> Self:
         """The place as the file has it, from the fields of a `DeviationPlace`."""
-        return cls(**place, resonator=number, **({} if noun in ("", _RESONATOR) else {"noun": noun}))
+        named = {} if noun in ("", _RESONATOR) else {"noun": noun}
+        return cls.model_validate({**place, "resonator": number, **named})
 
     @property
     def values(self) -> dict[str, Any]:

@@ -85,7 +85,7 @@ def test_forces_and_overlaps_are_left_out_where_not_all_beads_are_recorded(run_o
 
 def test_resonators_have_variables_which_are_nan_where_there_is_none(run_of):
     dataset, trajectory = run_of("resonators").dataset, run_of("resonators").trajectory
-    present = trajectory.problem.system.further_mass[0] > 0.0
+    present = trajectory.problem.system.further_lines[0].mass > 0.0
     motion = dataset.resonator_velocity.isel(resonator=0)
     assert 0 < np.count_nonzero(present) < len(present)
     np.testing.assert_array_equal(motion[:, present], trajectory.further_lines[:, 1, 0, present])

@@ -1,0 +1,294 @@
+"""Atoms beside the beads that an ingredient of one's own adds: their noun and their chain, wherever they are named."""
+
+import json
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from plug_ins import needs
+from processes import HANGS
+
+from analysis import labelled
+from analysis.compare import start
+from analysis.compare.difference import errors_of
+from analysis.conservation import AccountMeter
+from lammps_inputs import library, physics
+from lammps_inputs.decks import deck
+from lammps_inputs.ingredients.base import FurtherAtoms, together
+from lammps_inputs.laws.spring import Linear
+from lammps_inputs.links import Across
+from lammps_inputs.system import FurtherLine, Noun
+from workflow.engines.reference import engine
+from workflow.measures.budget import BudgetMeasurement, ClosedAccount
+from workflow.runs.job import ErrorPlace
+
+TESTS = Path(__file__).resolve().parent
+
+PENDULUM = Noun("pendulum", "pendulums")
+RESONATOR = Noun("resonator", "resonators")
+
+KEYS = {"name": "own", "chains": 2, "beads": 6, "kick": {"velocity": 1.0}, "duration": 8.0, "output": {"every": 0.1}}
+TWO_KINDS = [{"mass": 0.3, "stiffness": 1.0}, {"mass": 0.2, "stiffness": 2.0, "rows": [3, 4]}]
+
+
+def problem(*nouns, resonators=TWO_KINDS, **keys):
+    """Two chains whose lines of resonators, two of each kind, are called otherwise."""
+    made = library.from_plain({**KEYS, "resonators": resonators, **keys}, "test").problem()
+    lines = zip(made.system.further_lines, nouns, strict=True)
+    return replace(made, system=replace(made.system, further_lines=tuple(replace(line, noun=n) for line, n in lines)))
+
+
+MIXED = (RESONATOR, RESONATOR, PENDULUM, PENDULUM)
+
+
+@pytest.fixture(scope="module")
+def mixed():
+    """Frames of resonators, and of pendulums at beads 3 and 4."""
+    return engine.run(problem(*MIXED))
+
+
+# --- lines ------------------------------------------------------------------------------------------------------------
+
+
+def atoms(mass, noun, chain_of_line=()):
+    """Atoms at the beads of some lines, each tied to its bead by a spring."""
+    mass = np.array(mass, dtype=float)
+    edges = tuple((chain, 2 + line) for line, chain in enumerate(chain_of_line or (0, 1)))
+    return FurtherAtoms(mass, (Across(noun[0], Linear(1.0), edges=edges),), (), noun, chain_of_line)
+
+
+def test_lines_of_one_noun_and_chain_are_shared_where_places_are_free_and_no_others():
+    first, second = atoms([[1, 0], [1, 0]], RESONATOR), atoms([[0, 2], [0, 2]], RESONATOR)
+    lines, ties, _ = together(2, [first, second, atoms([[0, 3]], PENDULUM, (1,)), atoms([[4, 0]], RESONATOR, (1,))])
+    assert [(line.mass.tolist(), line.chain, line.noun) for line in lines] == [
+        ([1.0, 2.0], 0, RESONATOR),
+        ([1.0, 2.0], 1, RESONATOR),
+        ([0.0, 3.0], 1, PENDULUM),
+        ([4.0, 0.0], 1, RESONATOR),
+    ]
+    assert [link.edges for link in ties] == [((0, 2), (1, 3)), ((0, 2), (1, 3)), ((1, 4),), ((1, 5),)]
+
+
+def test_lines_for_which_no_chain_is_named_are_those_of_all_chains_in_turn():
+    lines, *_ = together(2, [FurtherAtoms(np.ones((4, 3)), ())])
+    assert [(line.chain, line.noun) for line in lines] == [(n, ("inner atom", "inner atoms")) for n in (0, 1, 0, 1)]
+
+
+def test_an_atom_at_one_bead_of_one_chain_weighs_on_it_and_stands_at_its_place():
+    made = library.from_plain({**KEYS, "precompression": {"force": 0.1}}, "test").problem()
+    hung = Across("hung", Linear(np.array([[0.0] * 2 + [1.0] + [0.0] * 3])), edges=((1, 2),))
+    line = FurtherLine(np.array([0.0, 0.0, 0.5, 0.0, 0.0, 0.0]), 1, PENDULUM)
+    system = replace(made.system, further_lines=(line,), links=(*made.system.links, hung))
+    assert np.argwhere(np.asarray(physics.mass_with_tied(system)) != 1.0).tolist() == [[1, 2]]
+    text = deck.render_data(replace(made, system=system))
+    (bead,) = (words for words in map(str.split, text.splitlines()) if words[:1] == ["9"] and len(words) == 8)
+    (pendulum,) = (words for words in map(str.split, text.splitlines()) if words[:1] == ["15"] and len(words) == 8)
+    assert pendulum[2] == bead[2]
+    assert float(pendulum[5]) < float(bead[5])
+    assert "\n1 1 9 15\n" in text
+
+
+def test_systems_with_other_nouns_or_masses_are_not_equal():
+    plain, other = problem(*MIXED).system, problem(*MIXED).system
+    assert plain == other
+    assert plain != problem(*[RESONATOR] * 4).system
+    heavier = [*plain.further_lines[:3], replace(plain.further_lines[3], mass=2.0 * plain.further_lines[3].mass)]
+    assert plain != replace(plain, further_lines=tuple(heavier))
+
+
+# --- where they are named ---------------------------------------------------------------------------------------------
+
+
+def test_arrays_are_called_by_the_noun_each_with_its_lines(mixed):
+    dataset = labelled.labelled(mixed)
+    assert {name for name in dataset if "resonator" in name or "pendulum" in name} == {
+        f"{noun}{what}" for noun in ("resonator", "pendulum") for what in ("", "_displacement", "_velocity")
+    }
+    pendulum = dataset["pendulum_velocity"]
+    assert pendulum.dimensions == ("time", "pendulum", "bead")
+    assert dataset["pendulum"].long_name.startswith("number of the line of pendulums")
+    np.testing.assert_array_equal(pendulum.values[:, :, 2:4], mixed.atoms[1][:, 4:, 2:4])
+    assert np.isnan(pendulum.values[:, :, [0, 1, 4, 5]]).all()
+
+
+def test_a_noun_of_several_words_is_one_name_of_an_array():
+    frames = engine.run(problem(*[Noun("inner atom", "inner atoms")] * 4))[:2]
+    assert "inner_atom_velocity" in labelled.labelled(frames)
+
+
+def test_the_atom_that_does_not_start_at_rest_is_called_by_its_noun(mixed):
+    further = np.array(mixed.further_lines)
+    further[0, 1, 3, 2] = 0.5
+    (text,) = start.differences(replace(mixed, further_lines=further))
+    assert text == "the pendulum at bead 3 of chain 2 starts with velocity 0.5 instead of 0"
+
+
+def test_a_deviation_is_of_the_atom_by_its_noun_its_number_and_its_chain(mixed):
+    for line, words in enumerate(("resonator 1 at bead 3 of chain 1", "", "pendulum 1 at bead 3 of chain 1")):
+        further = np.array(mixed.further_lines)
+        further[10, 1, line, 2] += 0.5
+        where = errors_of([replace(mixed, further_lines=further)], [mixed])["velocity"].where
+        assert where.words == (words or "resonator 1 at bead 3 of chain 2")
+
+
+def test_the_second_line_of_a_noun_at_a_chain_is_number_2():
+    frames = engine.run(problem(*[RESONATOR] * 4))
+    further = np.array(frames.further_lines)
+    further[10, 1, 3, 2] += 0.5
+    where = errors_of([replace(frames, further_lines=further)], [frames])["velocity"].where
+    assert where.words == "resonator 2 at bead 3 of chain 2"
+
+
+@pytest.mark.parametrize("noun", ["resonator", "pendulum", ""])
+def test_the_place_of_an_error_is_read_as_it_was_written_and_as_earlier_versions_wrote_it(noun):
+    place = {"chain": 2, "bead": 3, "time": 1.5, "noun": noun, "number": 2 if noun else 0}
+    plain = ErrorPlace.of(**place).plain()
+    assert ErrorPlace(**plain).values == place
+    earlier = {"chain": 2, "bead": 3, "time": 1.5, "resonator": place["number"]}
+    assert plain == (earlier | {"noun": noun} if noun == "pendulum" else earlier)
+
+
+def test_the_budget_has_the_energy_of_each_noun_and_closes(mixed):
+    account = AccountMeter(mixed.problem).read([mixed])
+    assert list(account.other_atoms) == ["pendulums"]
+    assert np.max(account.resonators) > 1e-3 < np.max(account.other_atoms["pendulums"])
+    np.testing.assert_allclose(account.missing, 0.0, atol=1e-5)
+    assert "% in pendulums" in account.sentence(mixed.problem.scale)
+    assert "% in resonators" in account.sentence(mixed.problem.scale)
+    values = ClosedAccount(**vars(account), closed=0.0, between_frames=0.0, stated=None)
+    ((panel,),) = BudgetMeasurement(mixed.problem, values).sheet().rows
+    assert {"resonators", "pendulums"} <= {layer.name for layer in panel.layers}
+
+
+def test_slow_atoms_are_called_by_their_noun_where_no_pulse_leads():
+    slow = {"mass": 3.0, "stiffness": 0.1}
+    system = problem(PENDULUM, PENDULUM, resonators=slow).system
+    assert physics.why_no_pulse(system).startswith("pendulums of angular frequency 0.183 / T are slower than a pulse")
+
+
+# --- an ingredient that adds one atom at one bead of one chain -------------------------------------------------------
+
+OWN = '''
+"""A pendulum at one bead."""
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from lammps_inputs.facts import Fact
+from lammps_inputs.ingredients.base import Count, FurtherAtoms, Ingredient, Positive, in_rows
+from lammps_inputs.laws.dashpot import Dashpot
+from lammps_inputs.laws.spring import Linear
+from lammps_inputs.links import Across
+
+
+class Pendulum(Ingredient):
+    takes_away = frozenset({Fact.SONIC_VACUUM, Fact.ENERGY, Fact.REVERSIBLE, Fact.SECOND_ORDER})
+
+    chain: Count
+    bead: Count
+    mass: Positive
+    stiffness: Positive
+    damping: Positive
+
+    def further_atoms(self, setting):
+        mass, spring, dashpot = (
+            in_rows(value, (self.bead, self.bead), (1, setting.beads))
+            for value in (self.mass, self.stiffness, self.damping)
+        )
+        edges = ((self.chain - 1, setting.chains),)
+        tie, damper = Across("pendulum", Linear(spring), edges=edges), Across("friction", Dashpot(dashpot), edges=edges)
+        return FurtherAtoms(mass, (tie,), (damper,), ("pendulum", "pendulums"), (self.chain - 1,))
+
+    def lacks(self, setting):
+        return self.takes_away
+
+
+INGREDIENTS = {"pendulum": Pendulum}
+'''
+
+SCENE = {
+    "name": "hung",
+    "chains": 3,
+    "beads": 10,
+    "coupling": {"stiffness": 0.1},
+    "pendulum": {"chain": 2, "bead": 4, "mass": 0.05, "stiffness": 0.5, "damping": 0.02},
+    "kick": {"chain": 2, "velocity": 1},
+    "duration": 12,
+    "timestep": 0.005,
+}
+
+FORMATS = ("netcdf", "ovito", "vmd")
+
+
+@pytest.fixture(scope="module")
+def hung(tmp_path_factory):
+    """Directory with a run of LAMMPS on two ranks, its analysis, validation, exports and page; text of each command."""
+    place = tmp_path_factory.mktemp("hung")
+    (place / "own_pendulum.py").write_text(OWN)
+    (place / "hung.yaml").write_text(json.dumps(SCENE))
+    environment = {"GRANCHAIN_INGREDIENTS": "own_pendulum", "PYTHONPATH": os.pathsep.join((".", str(TESTS.parent)))}
+    texts = {}
+    for words in (
+        ("run", "hung.yaml", "-o", "run"),
+        ("run", "hung.yaml", "-o", "ranks", "--ranks", "2", "--no-check"),
+        ("analyze", "run", "--json"),
+        ("validate", "run"),
+        ("export", "run", "--to", ",".join(FORMATS), "-o", "out"),
+        ("view", "run", "--no-open"),
+    ):
+        done = subprocess.run(
+            [sys.executable, "-m", "workflow.cli", *words],
+            cwd=place,
+            env={**os.environ, **environment},
+            capture_output=True,
+            text=True,
+            timeout=HANGS,
+            check=False,
+        )
+        assert done.returncode == 0, (words, done.stderr[-2000:])
+        texts[words[0]] = done.stdout
+    return place, texts
+
+
+@pytest.mark.slow
+@needs("export", "pages")
+def test_an_atom_at_one_bead_of_one_chain_is_run_and_named_from_the_deck_to_the_page(hung):
+    place, texts = hung
+    where = json.loads((place / "run" / "run.json").read_text())["check"]["where"]
+    assert where == {"chain": 2, "bead": 4, "time": where["time"], "noun": "pendulum", "resonator": 1}
+    assert "pendulum 1 at bead 4 of chain 2" in texts["validate"]
+    analysis = json.loads(texts["analyze"])
+    assert max(analysis["budget"]["other_atoms"]["pendulums"]) > 1e-4
+    assert analysis["budget"]["closed"] < 1e-3
+    assert "set segname {C1 C1" in (place / "out" / "frames.vmd").read_text()
+    assert "P4}" in (place / "out" / "frames.vmd").read_text()
+    assert "small circles: pendulums" in (place / "run" / "view.html").read_text()
+    printed = "".join(texts.values()) + (place / "run" / "view.html").read_text()
+    assert "resonator" not in printed.lower()
+
+
+@pytest.mark.slow
+@needs("export", "pages")
+def test_exported_frames_name_an_atom_at_one_bead_by_its_noun(hung):
+    hoomd = pytest.importorskip("gsd.hoomd", reason="gsd is not installed (granchain[export])")
+    xarray = pytest.importorskip("xarray", reason="xarray is not installed (granchain[export])")
+    place, _ = hung
+    with hoomd.open(str(place / "out" / "frames.gsd"), "r") as file:
+        particles = file[-1].particles
+    assert particles.types == ["chain 1", "chain 2", "chain 3", "pendulums 1"]
+    assert particles.typeid.tolist() == [0] * 10 + [1] * 10 + [2] * 10 + [3]
+    with xarray.open_dataset(place / "out" / "frames.nc", engine="h5netcdf") as dataset:
+        moving = np.isfinite(dataset.pendulum_velocity).all(dim="time")
+        assert np.argwhere(moving.values).tolist() == [[0, 3]]
+
+
+@pytest.mark.slow
+def test_an_atom_at_one_bead_moves_alike_on_two_ranks(hung):
+    frames = [(hung[0] / name / "chains.dump.bin").read_bytes() for name in ("run", "ranks")]
+    assert frames[0] == frames[1]
