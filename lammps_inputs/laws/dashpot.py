@@ -151,9 +151,9 @@ class Dashpot(DashpotLaw):
         for edge, (lower, higher) in enumerate(link.edges):
             groups.setdefault((higher - lower, max(lower, layout.chains - 1)), []).append(edge)
         for (apart, _), edges in groups.items():
-            lower = [link.edges[edge][0] for edge in edges]
-            table = np.zeros((max(lower) + 1, layout.beads))
-            table[lower] = of_edge[edges]
+            lines = [link.edges[edge][0] for edge in edges]
+            table = np.zeros((max(lines) + 1, layout.beads))
+            table[lines] = of_edge[edges]
             yield apart, table
 
 
