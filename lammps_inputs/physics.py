@@ -102,9 +102,8 @@ def mass_with_tied(system: System) -> float | NDArray[np.float64]:
     """Masses of beads with the atoms that are tied to them and move with them in slow motion, [chain, bead]."""
     if not system.further_lines:
         return system.mass
-    total = np.array(np.broadcast_to(system.mass, (system.chains, system.beads)), dtype=np.float64)
-    for line in system.further_lines:
-        total[line.chain] += line.mass
+    total = np.zeros((system.chains, system.beads))
+    np.add.at(total, system.chain_of_line, masses(system))
     return total
 
 

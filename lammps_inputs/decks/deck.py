@@ -24,7 +24,9 @@ Examples:
 import collections
 import functools
 import io
-from collections.abc import Iterator, Sequence
+import itertools
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -423,7 +425,11 @@ def render_data(problem: Problem) -> str:
     out.write(f"\n0 {text((beads + 1) * spacing)} xlo xhi\n")
     out.write(f"-{side} {text(apart * lines)} ylo yhi\n-{side} {side} zlo zhi\n")
     out.write(f"\nAtoms # {_atom_style(problem)}\n\n")
-    out.writelines(_atom_lines(problem, mass, _type_of_each(problem, types), apart))
+    places = [text(x) for x in problem.layout.places[0, :beads]]
+    for line, type_of_each in enumerate(_type_of_each(problem, types)):
+        if not physics.even(system):
+            places = [text(x) for x in problem.layout.places[system.chain_of_line[line]]]
+        out.writelines(_atom_lines(problem, line, mass[line].tolist(), type_of_each.tolist(), places))
     if _tied(system):
         out.write("\nBonds\n\n")
         bond = 0
@@ -446,30 +452,32 @@ def _type_of_each(problem: Problem, last: int) -> NDArray[np.int64]:
     return types
 
 
-def _atom_lines(problem: Problem, mass: NDArray[np.float64], types: NDArray[np.int64], apart: float) -> Iterator[str]:
-    """Line of text of each atom, line by line of atoms: at the place of its bead, beside the lines of atoms before.
+def _atom_lines(problem: Problem, line: int, masses: list[float], types: list[int], places: list[str]) -> Iterator[str]:
+    """Line of text of each atom of a line of atoms, which is beside the line before.
 
     Args:
         problem: what is run.
-        mass: [line, bead], 0 where there is no atom.
-        types: [line, bead].
-        apart: lateral distance of two lines.
+        line: number of the line, from 0.
+        masses: of each bead's atom, 0 where there is none.
+        types: of each bead's atom.
+        places: of each bead along the chain.
     """
-    layout, alone = problem.layout, _atom_style(problem) == "sphere"
-    beads, unloaded = problem.rows.existing, physics.even(problem.system)
-    places = [text(x) for x in layout.places[0, :beads]]
-    for line, chain in enumerate(problem.system.chain_of_line.tolist()):
-        diameter = layout.diameter if line < problem.chains else layout.diameter_of_others
-        size, unit, first, y = text(diameter), sphere_density(diameter), line * beads + 1, text(apart * line)
-        density = functools.cache(lambda atom, unit=unit: text(unit * atom))
-        places = places if unloaded else [text(x) for x in layout.places[chain]]
-        of_line, kind = mass[line].tolist(), types[line].tolist()
-        for i in np.flatnonzero(mass[line]).tolist():
-            head, measures = f"{first + i} {kind[i]}", f"{size} {density(of_line[i])}"
-            if alone:
-                yield f"{head} {measures} {places[i]} {y} 0\n"
-            else:
-                yield f"{head} {places[i]} {y} 0 {measures} {i + 1 if problem.rows.follow else line + 1}\n"
+    layout, first = problem.layout, line * problem.rows.existing + 1
+    diameter = layout.diameter if line < problem.chains else layout.diameter_of_others
+    size, unit, y = text(diameter), sphere_density(diameter), text(layout.apart((0, line)))
+    measures: Iterable[str] = (f"{size} {text(unit * mass)}" for mass in masses)
+    if masses.count(masses[0]) == len(masses):
+        measures = itertools.repeat(f"{size} {text(unit * masses[0])}", len(masses))
+    columns: list[Iterable[Any]] = [range(first, first + len(masses)), types, places, measures]
+    if not all(masses):
+        columns = [itertools.compress(column, masses) for column in columns]
+    if _atom_style(problem) == "sphere":
+        return (f"{atom} {kind} {measure} {x} {y} 0\n" for atom, kind, x, measure in zip(*columns, strict=True))
+    columns.append(itertools.count(1) if problem.rows.follow else itertools.repeat(line + 1))
+    return (
+        f"{atom} {kind} {x} {y} 0 {measure} {molecule}\n"
+        for atom, kind, x, measure, molecule in zip(*columns, strict=False)
+    )
 
 
 def _number_lines(problem: Problem) -> Iterator[str]:
