@@ -110,24 +110,16 @@ class PeakMeter(Meter[Brackets, Peaks]):
     first_only: bool = False
     direction: int | None = None
 
-    def of_part(self, part: Part, earlier: Iterable[Brackets] = ()) -> Brackets:
-        """Brackets of the maxima at a frame of the part, or between it and the next.
-
-        Where the first maximum of each bead is wanted, beads that have one in ``earlier`` parts are left out, which
-        saves time.
-        """
+    def of_part(self, part: Part) -> Brackets:
+        """Brackets of the maxima at a frame of the part, or between it and the next."""
         block = part.around
         direction = block.problem.direction if self.direction is None else self.direction
         frame, chain, bead = (self._between if block.forces_known else self._at)(part, direction)
-        if self.first_only:
-            new = ~np.isin(_place(chain + 1, block.beads[bead]), _places(earlier))
-            frame, chain, bead = frame[new], chain[new], bead[new]
         if len(frame) == 0:
             return no_maxima(direction)
         if not block.forces_known:
             return bracketed(block, frame, chain, bead, direction)
-        brackets = between_pairs(block, frame, chain, bead, direction, self.threshold)
-        return brackets.where(brackets.first_certain()) if self.first_only else brackets
+        return between_pairs(block, frame, chain, bead, direction, self.threshold)
 
     def _at(self, part: Part, direction: int) -> Places:
         """Largest frames of maxima, of recorded beads alone."""
@@ -173,8 +165,8 @@ class PeakMeter(Meter[Brackets, Peaks]):
 
     def result(self, pieces: list[Brackets]) -> Peaks:
         """The maxima, sorted."""
-        peaks = _refined(pieces)
-        return peaks.first() if self.first_only else peaks
+        brackets = together(pieces)
+        return _refined(brackets.where(brackets.first_certain()) if self.first_only else brackets)
 
 
 def _first_frame(first: tuple[Any, ...], later: Places) -> Places:
@@ -189,24 +181,12 @@ def _slows(block: Trajectory, frame: Integers, chain: Integers, bead: Integers, 
     return np.asarray(direction * motion.acceleration_and_rate(block, frame, chain, bead)[0] <= 0.0)
 
 
-def _place(chain: Integers, bead: Integers) -> Integers:
-    """Numbers of beads of chains, each another one."""
-    return chain * 2**40 + bead
-
-
-def _places(parts: Iterable[Brackets]) -> Integers:
-    """Numbers of all beads, as of `_place`, that have a maximum for certain in parts."""
-    certain = [_place(part.chain[part.certain], part.bead[part.certain]) for part in parts]
-    return np.concatenate([np.zeros(0, dtype=np.int64), *certain])
-
-
 def find_peaks(blocks: Iterable[Trajectory], threshold: float = THRESHOLD, *, direction: int | None = None) -> Peaks:
     """Maxima above a threshold in a run given as consecutive blocks of frames; see `PeakMeter`."""
     return PeakMeter(threshold, direction=direction).read(blocks)
 
 
-def _refined(parts: list[Brackets]) -> Peaks:
-    brackets = together(parts)
+def _refined(brackets: Brackets) -> Peaks:
     early, at, late = places_of(brackets)
     off, spacing = brackets.off, brackets.spacing
 
