@@ -365,4 +365,6 @@ class ShareMeter(Meter[tuple[Integers, Floats], EnergyShares]):
                 between = inside[..., :-1] & inside[..., 1:]
                 energies[:, number_of_set] += np.sum(np.where(inside, kinetic, 0.0), axis=-1)
                 energies[:, number_of_set] += np.sum(np.where(between, contacts, 0.0), axis=-1)
+        # a window has left some of their beads, or the bead behind, which pushes the first of them
+        energies[:, 1:][:, (peaks - far <= block.first) & (block.first > 1)] = np.nan
         return energies

@@ -143,7 +143,8 @@ class PeakMeter(Meter[Brackets, Peaks]):
         around = v[low - 1 : high + 2]
         if len(around) < high - low + 3:
             around = np.concatenate([around, v[-1:]])
-        (frame, chain, bead), falls = candidates(around, self.threshold)
+        follow = block.problem.rows.follow
+        (frame, chain, bead), falls = candidates(np.nan_to_num(around) if follow else around, self.threshold)
         frame += low
         chosen = ~falls
         chosen[falls] = ~_slows(block, frame[falls], chain[falls], bead[falls] + moving.start, direction)
@@ -151,8 +152,8 @@ class PeakMeter(Meter[Brackets, Peaks]):
             last = np.full(v.shape[1:], block.frames)
             np.minimum.at(last, (chain[falls], bead[falls]), frame[falls])
             chosen &= frame <= last[chain, bead]
-        if part.left:  # what the window leaves seems to stop after the last frame
-            chosen &= (frame < part.before + part.count - 1) | (bead + moving.start > part.left)
+        if follow:  # what the window has left by the next frame, and the bead ahead of that, which lacks a neighbour
+            chosen &= ~np.isnan(v[frame + 1, chain, np.maximum(bead - 1, 0)])
         frame, chain, bead = frame[chosen], chain[chosen], bead[chosen] + moving.start
         if part.start > 0 or block.frames < 2:
             return frame, chain, bead
