@@ -516,7 +516,17 @@ def error_of_crossing(places: Floats, values: Floats, level: float, errors: Floa
         errors: bounds on the errors of the values, small against their range, [value].
     """
     slope, intercept = np.polyfit(places, values, 1)
+    return error_of_line(places, errors, (level - intercept) / slope) / abs(float(slope))
+
+
+def error_of_line(places: Floats, errors: Floats, at: float) -> float:
+    """Bound on the error of the line fitted to values, at a place, by errors of the values.
+
+    Args:
+        places: where the values are, [value].
+        errors: bounds on the errors of the values, [value].
+        at: place.
+    """
     offset = places - np.mean(places)
-    lever = (level - intercept) / slope - np.mean(places)
-    weights = 1.0 / len(places) + lever * offset / np.sum(offset**2)
-    return float(np.sum(np.abs(weights) * errors) / abs(slope))
+    weights = 1.0 / len(places) + (at - np.mean(places)) * offset / np.sum(offset**2)
+    return float(np.sum(np.abs(weights) * errors))

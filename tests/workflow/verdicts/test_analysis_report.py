@@ -54,7 +54,8 @@ def summary(waves, problem, chain, succession=()):
 
 
 def test_how_chains_share_the_pulse_is_told_key_by_key():
-    decay = DecayFit(v0=0.6, n_star=300.0, n_star_error=2.0, n_star_expected=270.9, first=10, last=90, deviation=0.01)
+    fitted = {"v0": 0.6, "n_star": 300.0, "v0_error": 0.01, "n_star_error": 2.0, "n_star_expected": 270.9}
+    law = {"first": 10, "last": 90, **fitted, "deviation": 0.01}
     found = SimpleNamespace(
         shared=Shared(
             final=Final(0.34, 0.01),
@@ -67,7 +68,7 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
             bead=np.array([6, 7]),
             span=AmplitudeRange(6, 7, 0.33, 0.35),
         ),
-        decay=decay,
+        decay=DecayFit(**law),
         verdict=Verdict(EquipartitionState.BEATING, "they beat", expected=Estimate(62.0, 5.0)),
         energies=SimpleNamespace(
             wave=np.array([[0.5, 0.4], [0.5, 0.48]]),
@@ -89,8 +90,7 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
     of_exact = 0.5 * (1.01**2 - 1.0) + 0.47 * (1.02**2 - 1.0)
     shares = {"exact": 0.97, "exact_error": of_exact, "measured": 0.98, "measured_error": 5e-3}
     assert told["energy_share"] == pytest.approx(shares)
-    law = {"v0": 0.6, "n_star": 300.0, "n_star_error": 2.0, "n_star_expected": 270.9, "first": 10, "last": 90}
-    assert told["decay_law"] == {**law, "deviation": 0.01}
+    assert told["decay_law"] == law
 
 
 @pytest.mark.parametrize("si", [False, True])
