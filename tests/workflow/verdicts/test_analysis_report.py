@@ -59,6 +59,7 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
     found = SimpleNamespace(
         shared=Shared(
             final=Final(0.34, 0.01),
+            at_last=lambda: (Estimate(0.2, 0.02), Estimate(0.1, 0.03)),
             regular_beat=Estimate(12.0, 0.5),
             agrees_from=lambda tolerance: round(1.0 / tolerance),
             in_step_from=lambda tolerance: round(2.0 / tolerance),
@@ -83,6 +84,8 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
     assert told["expected"] == {"value": 62.0, "uncertainty": 5.0}
     assert told["amplitudes"] == {"0.1": 10, "0.01": 100, "0.001": 1000}
     assert told["arrivals"] == {"0.1": 20, "0.01": 200, "0.001": 2000}
+    assert told["mismatch"] == {"value": 0.2, "uncertainty": 0.02}
+    assert told["spread"] == {"value": 0.1, "uncertainty": 0.03}
     assert told["final"] == pytest.approx({"value": 0.34, "uncertainty": 0.01, "reduction": 0.66})
     assert told["range"] == {"first": 6, "last": 7, "least": 0.33, "largest": 0.35}
     assert told["energy_share"].pop("chains") == [0.52, 0.48]
