@@ -303,7 +303,7 @@ class Waveforms:
         energy, error = self.energy() if self.problem.rows.neighbours else (alone, np.full_like(alone, np.nan))
         xi = exact.speed_at(peak) * late
         difference = np.abs(self.velocity / peak - exact.velocity(xi))
-        compared = watched & (np.abs(xi) <= COMPARED)
+        compared = watched & (np.abs(xi) <= COMPARED) & (np.abs(late) <= self.half[:, np.newaxis])
         overlapped = np.any(compared & (self.velocity > (1.0 + LARGER) * peak), axis=1)
         duration, duration_error = self._durations()
         residual = np.max(difference, axis=1, where=compared, initial=0.0)

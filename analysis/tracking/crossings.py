@@ -19,6 +19,9 @@ A slope whose smallest value is 0, and which grows with the square of the time f
 of 1/7 or less.
 """
 
+FAINT = 0.5
+"""Velocity at a frame, in that of the smallest maximum, beside which there may be such a maximum."""
+
 SAMPLES = 17
 """Instants, with both frames, at which slopes are examined."""
 
@@ -39,22 +42,25 @@ class Falls(NamedTuple):
     """Whether it becomes negative in between."""
 
 
-def candidates(velocity: Floats, threshold: float) -> tuple[tuple[Integers, ...], Flags]:
+def candidates(velocity: Floats, threshold: float, *, everywhere: bool = False) -> tuple[tuple[Integers, ...], Flags]:
     """Pairs of consecutive frames between which a velocity may have a maximum.
 
     Args:
         velocity: [frame, ...]; the first and the last pair of frames are not examined.
         threshold: smallest maximum.
+        everywhere: whether maxima may be hidden at any rise, as frames are far apart for the fastest motion.
 
     Returns:
         Positions of the pairs, [candidate], along each axis; mask, [candidate], of those whose first frame is the
         faster one.
     """
     rise = np.diff(velocity, axis=0)
-    level, rising, fast = LEVEL * rise, rise > 0.0, velocity > threshold
+    fast = (np.abs(velocity) if everywhere else velocity) > FAINT * threshold
+    level, rising = LEVEL * rise, rise > 0.0
     chosen = rise[1:-1] <= np.maximum(level[:-2], level[2:])
     chosen |= rise[2:] <= level[1:-1]
     chosen &= rising[1:-1] | rising[:-2]
+    chosen |= everywhere
     chosen &= fast[1:-2] | fast[2:-1]
     pairs = tuple(axis.astype(np.int64) for axis in np.nonzero(chosen))
     return pairs, ~rising[1:-1][pairs]
@@ -71,7 +77,10 @@ def falls(slope: Floats, error: Floats, change: Floats) -> Falls:
     sign = np.where(slope > error, 1, np.where(slope <= -error, -1, 0))
     sign[1:-1][(sign[1:-1] > 0) & (_lowest(slope) <= error)] = 0
     sign[[0, -1]] = np.where(slope[[0, -1]] > 0.0, 1, -1)
-    sign[0][(change > 0.0) & ~np.any(sign > 0, axis=0)] = 1  # it is positive somewhere
+    rises = (change > 0.0) & ~np.any(sign > 0, axis=0)  # so it is positive somewhere before the last zero
+    last = SAMPLES - 1 - np.argmax(sign[::-1] == 0, axis=0)
+    sign[rises & (sign < 0) & (np.arange(SAMPLES)[:, np.newaxis] < last)] = 0
+    sign[0][rises] = 1
     count = len(error)
     rising, early = sign[0] > 0, np.zeros(count, dtype=np.int64)
     parts = []

@@ -4,9 +4,9 @@ Contacts and walls that close or open near a frame exert such forces (`kinks`). 
 ``(t - a)**power`` from a on, is fitted between two frames like any other, with velocity and its first two derivatives
 at both. How far that is off depends on the power and on where it begins only.
 
-Where the force of a dashpot jumps, the velocities of its beads have a kink, and so has the force of every other dashpot
-of these beads; that of a spring has one in its slope. These forces begin with powers that are larger by one and by two,
-at beads whose contacts all stay closed, too (`_passed_on`).
+Such a force changes the velocities of its beads, and so the force of every other dashpot and spring of these beads.
+These forces begin with powers that are larger by one and by two, at beads whose contacts all stay closed, too
+(`_passed_on`).
 """
 
 import math
@@ -51,7 +51,7 @@ def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
         chain, bead: [bead] positions of the beads in the block, all of which are recorded.
     """
     off = _begun(block, start, chain, bead)
-    return off if physics.contact_loss(block.problem.system) is None else off + _passed_on(block, start, chain, bead)
+    return off + _passed_on(block, start, chain, bead)
 
 
 def _passed_on(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -> Floats:
@@ -80,7 +80,8 @@ def _beside_bead(
 
     def link(exists: Flags, law: Any, loss: Any, index: Any, strain: Floats) -> tuple[Floats, Floats]:
         """Largest resistance and stiffness at both frames, [passage], 0 without a link; ``index`` is of its dashpot."""
-        both = dashpot.resistance(laws.at(loss, *index), strain), laws.stiffness(law, strain)
+        resisted = np.zeros_like(strain) if loss is None else dashpot.resistance(laws.at(loss, *index), strain)
+        both = resisted, laws.stiffness(law, strain)
         first, second = (np.where(exists, np.abs(values).max(axis=0), 0.0) for values in both)
         return first, second
 

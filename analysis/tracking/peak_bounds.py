@@ -23,6 +23,7 @@ from analysis.trajectory import Flags, Floats, Integers, Trajectory
 from lammps_inputs import physics
 from lammps_inputs.limits import rates
 from lammps_inputs.loads import Load, Motion
+from lammps_inputs.system import System
 
 FAR_APART = {"verlet": (2.7, 1.0 / 3.0), "suzuki4": (2.0, 2.0 / 3.0)}
 """Time between frames from which on displacements improve a polynomial, by scheme of LAMMPS: a factor on a power of
@@ -215,7 +216,10 @@ def between_pairs(
     begins = np.flatnonzero((start == 0) & (fit.velocity[0] > threshold))
     slope[:, begins], largest, perhaps = crossings.starts(slope[:, begins], error[begins], fit.velocity[2, begins])
     begins, largest = begins[largest | perhaps], largest[largest | perhaps]
-    change = direction * (block.velocity[start + 1, chain, bead] - block.velocity[start, chain, bead])
+    at_start, at_end = (
+        direction * block.velocity[np.minimum(start + n, block.frames - 1), chain, bead] for n in (0, 1)
+    )
+    change = at_end - at_start
     entry, early, late, certain = crossings.falls(slope, error, change)
     places = np.arange(crossings.SAMPLES - 1)[:, np.newaxis]
     within = (places >= early - 1) & (places < late)
@@ -223,7 +227,9 @@ def between_pairs(
     rise = np.cumsum(slope[:-1], axis=0)[:, entry]
     at = np.where(certain, np.where(zero, rise, -np.inf).argmax(axis=0), early - 1)  # the highest in between
     ends = np.array([[sampled[place], sampled[place + 1]] for place in (early - 1, at, late - 1)])
-    fast = hermite.value(fit.velocity[:, entry], ends[1, 1]) > threshold
+    highest, doubt = hermite.value(fit.velocity[:, entry], ends[1, 1]), fit.off[0, entry]
+    fast = (highest > crossings.FAINT * threshold) & (highest + doubt > threshold)
+    certain &= np.maximum(highest - doubt, np.maximum(at_start, at_end)[entry]) > threshold
     entry, certain = np.concatenate([begins, entry[fast]]), np.concatenate([largest, certain[fast]])
     ends = np.concatenate([np.zeros((3, 2, len(begins))), ends[..., fast]], axis=-1)
     return _rows(block, fit, entry, ends, certain, start + (change > 0.0))
@@ -273,6 +279,11 @@ def _pushed(load: Load, times: Floats, fit: Callable[[Floats], Floats], low: Flo
     return worst
 
 
+def quickness_of(system: System) -> float:
+    """Rate of a system's fastest motion over that of a Hertz chain without load, at least 1."""
+    return max(1.0, max(rates.fastest(system), rates.drag(system), rates.bending(system)) / FREQUENCY)
+
+
 @dataclass(frozen=True)
 class _Timing:
     """Times between frames and time steps, and what they say of polynomials; in units of T.
@@ -299,7 +310,7 @@ class _Timing:
     def of(cls, block: Trajectory) -> "_Timing":
         problem, by_equations = block.problem, block.forces_known
         system = problem.system
-        quickness = max(1.0, max(rates.fastest(system), rates.drag(system)) / FREQUENCY) if by_equations else 1.0
+        quickness = quickness_of(system) if by_equations else 1.0
         factor, power = FAR_APART[problem.scheme]
         far_apart = max(NEAR, factor * (problem.cycle * problem.timestep * quickness) ** power) / quickness
         return cls(

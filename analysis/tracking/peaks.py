@@ -25,12 +25,23 @@ from analysis import hermite, motion
 from analysis.columns import Columns, together
 from analysis.meters import Meter, Part
 from analysis.tracking.crossings import candidates
-from analysis.tracking.peak_bounds import Brackets, between_pairs, bracketed, no_maxima, on_a_grid, places_of
+from analysis.tracking.peak_bounds import (
+    Brackets,
+    between_pairs,
+    bracketed,
+    no_maxima,
+    on_a_grid,
+    places_of,
+    quickness_of,
+)
 from analysis.trajectory import Flags, Floats, Integers, Trajectory, mirrored_bead
 from lammps_inputs import Problem
 
 THRESHOLD = 1e-3
 """Smallest maximum that counts as a pulse, in units of V."""
+
+SPARSE = 0.7
+"""Time between frames, in the time scale of the fastest motion, beyond which maxima may be hidden anywhere."""
 
 
 @dataclass(frozen=True)
@@ -144,13 +155,17 @@ class PeakMeter(Meter[Brackets, Peaks]):
         if len(around) < high - low + 3:
             around = np.concatenate([around, v[-1:]])
         follow = block.problem.rows.follow
-        (frame, chain, bead), falls = candidates(np.nan_to_num(around) if follow else around, self.threshold)
+        everywhere = block.problem.every * quickness_of(block.problem.system) > SPARSE
+        around = np.nan_to_num(around) if follow else around
+        (frame, chain, bead), falls = candidates(around, self.threshold, everywhere=everywhere)
         frame += low
         chosen = ~falls
         chosen[falls] = ~_slows(block, frame[falls], chain[falls], bead[falls] + moving.start, direction)
         if self.first_only:  # none after the first largest frame
+            at = v[frame, chain, bead]
+            largest = falls & (at > self.threshold) & (at > v[frame - 1, chain, bead])
             last = np.full(v.shape[1:], block.frames)
-            np.minimum.at(last, (chain[falls], bead[falls]), frame[falls])
+            np.minimum.at(last, (chain[largest], bead[largest]), frame[largest])
             chosen &= frame <= last[chain, bead]
         if follow:  # what the window has left by the next frame, and the bead ahead of that, which lacks a neighbour
             chosen &= ~np.isnan(v[frame + 1, chain, np.maximum(bead - 1, 0)])
@@ -159,7 +174,7 @@ class PeakMeter(Meter[Brackets, Peaks]):
             return frame, chain, bead
         fast = v[0] > self.threshold
         if len(v) > 2:
-            (_, *places), _ = candidates(np.concatenate([v[:1], v[:3]]), self.threshold)
+            (_, *places), _ = candidates(np.concatenate([v[:1], v[:3]]), self.threshold, everywhere=everywhere)
             fast[tuple(places)] = True
         chains, beads = np.nonzero(fast)
         return _first_frame((chains, beads + moving.start), (frame, chain, bead))

@@ -32,6 +32,9 @@ from lammps_inputs.links import Across, Along, Wall, largest_eigenvalue
 from lammps_inputs.scheme import LARGEST_PHASE, SchemeName
 from lammps_inputs.system import System
 
+FARTHEST = 3.0
+"""Strain, in units of L, that springs between chains hardly exceed."""
+
 
 def fastest(system: System) -> float:
     """Angular frequency, at most, of any motion; energy bounds how stiff a contact can get."""
@@ -51,6 +54,26 @@ def sound_frequency(system: System) -> float:
     if not physics.loaded(system):
         return 0.0
     return float(np.sqrt(_of_lightest(system, lambda law: laws.stiffness(law, 0.0))))
+
+
+@physics.once
+def bending(system: System) -> float:
+    """Angular frequency, at most, at which the stiffness of springs across and to the ground changes.
+
+    It is the root of the second derivative of the stiffness in the strain over the largest stiffness, of beads that
+    move with V and springs that are strained by `FARTHEST` or as far as energy brings them.
+    """
+    springs = (*system.across, *physics.ground_springs(physics.at(system, 0.0)))
+    return max((_bending(link.law, physics.energy(system)) for link in springs), default=0.0)
+
+
+def _bending(law: Law, energy: float) -> float:
+    farthest = np.minimum(law.max_strain(energy, *law), FARTHEST)
+    parts = np.linspace(-1.0, 1.0, 65)
+    stiffness = np.array([np.broadcast_to(laws.stiffness(law, part * farthest), np.shape(farthest)) for part in parts])
+    largest = np.max(np.abs(stiffness), axis=0) * (farthest * (parts[1] - parts[0])) ** 2
+    bend = np.max(np.abs(np.diff(stiffness, n=2, axis=0)), axis=0)
+    return math.sqrt(float(np.max(np.divide(bend, largest, out=np.zeros_like(bend), where=largest > 0.0))))
 
 
 def front_speed(system: System) -> float:

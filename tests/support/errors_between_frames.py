@@ -253,9 +253,11 @@ def _largest(errors: Floats) -> Floats:
 
 def compared(run: Trajectory, cadences: tuple[float, ...] = CADENCES) -> Iterator[Comparison]:
     """Leading waves at each cadence beside those of all frames of a run."""
-    exact = surveyed(run, samples=2048)
-    for cadence in cadences:
-        yield compare(surveyed(thinned(run, max(1, round(cadence / run.problem.every)))), exact, cadence)
+    strides = [max(1, round(cadence / run.problem.every)) for cadence in cadences]
+    frames = [(run.frames - 1) // stride * stride + 1 for stride in strides]  # both end with the same frame
+    exact = {count: surveyed(run[:count], samples=2048) for count in set(frames)}
+    for cadence, stride, count in zip(cadences, strides, frames, strict=True):
+        yield compare(surveyed(thinned(run[:count], stride)), exact[count], cadence)
 
 
 def rows(comparisons: list[Comparison]) -> Iterator[str]:
