@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from analysis.conservation import Account, Conservation
+from analysis.conservation import Account, Conservation, mass_of_resonators
 from analysis.figures import averages
 from analysis.figures.panels import Curve, FrameContent, Panel, Sheet, axis_unit, title
 from analysis.quantity import declare, result
@@ -123,8 +123,7 @@ class BudgetMeasurement(Measurement):
 
 def _in_resonators_error(run: Recorded, account: Account, of_input: float) -> float | None:
     """Uncertainty of the share of energy in resonators, by the run and an uncertainty of the energy input."""
-    mass = run.problem.system.further_mass
-    if mass is None or not (run.error.measured and math.isfinite(account.in_resonators)):
+    if not (run.error.measured and math.isfinite(account.in_resonators)):
         return None
-    error = float(run.error.of_energy(account.resonators[-1], float(np.sum(mass))))
+    error = float(run.error.of_energy(account.resonators[-1], mass_of_resonators(run.problem.system)))
     return (error + account.in_resonators * of_input) / float(account.energy_input[-1])
