@@ -80,7 +80,7 @@ def draw_panels(figure: FigureBase, sheet: Sheet) -> list[Axes]:
     """
     if is_narrow() and sheet.widths:  # which has no room for remarks either
         rows = [[panel and replace(panel, remark="") for panel in row[:2]] for row in sheet.rows]
-        sheet = replace(sheet, rows=rows, widths=(1.5, 1.0)[: len(rows[0])])
+        sheet = replace(sheet, rows=rows, widths=(1.25, 1.0)[: len(rows[0])])
     grid = figure.subplots(
         len(sheet.rows),
         len(sheet.rows[0]),
@@ -147,8 +147,9 @@ def _draw_panel(axis: Axes, panel: Panel) -> None:
 def _draw_curve(axis: Axes, curve: Curve, *, over_image: bool) -> None:
     """Draw a line; that of a chain in its look, with marks where it is short, and dots to which no line leads."""
     look, few = dict(curve.look), len(curve.x) <= FEW_NUMBERS
-    if over_image:  # seen on all colours
-        look["path_effects"] = [withStroke(linewidth=2.4, foreground="black")]
+    if over_image:  # seen on all colours, and where a white line has gaps
+        unbroken = {"dash_offset": 0.0, "dash_list": None}
+        look["path_effects"] = [withStroke(linewidth=2.4, foreground="black", dashes=unbroken)]
     if curve.place is not None:
         look = {
             "color": CHAIN_COLOURS[curve.place % len(CHAIN_COLOURS)],

@@ -163,7 +163,8 @@ def residual_figure(
             Curve("run", at, run * worth, look=line),
         )
         left = Curve("residual", at, (values - run) / size[place], look={**dots, "color": "0.3"})
-        rows.append([Panel(x, Axis(Label(f"{channel.name.replace('_', ' ')}\n", unit=axis.symbol)), both)])
+        words = channel.name.split("_")
+        rows.append([Panel(x, Axis(Label(words[0], unit=axis.symbol)), both, " ".join(words))])
         rows.append([Panel(x, Axis(Label(f"residual\n/ {unit}")), (left,), marks=zero)])
     more = f"; {len(measured.channels) - count} more channels" if len(measured.channels) > count else ""
     heading = f"{title(problem)}\ndata and run{more}{mark}"

@@ -62,10 +62,10 @@ def distance_sheet(problem: Problem, shared: Sharing, energies: EnergyShares, di
     if agreed is not None:
         remark = f"within 1 % from bead {agreed} on"
         marks = (Marks([agreed], look={"color": "0.6", "linewidth": 0.8, "zorder": 0}),)
-    shown = [
-        Panel(bead, Axis(amplitude, ends=(0.0, None)), curves, remark=remark, marks=marks),
-        Panel(bead, _of_input("energy of pulses /\n"), _waves(problem, shared, energies, missing)),
-    ]
+    shown = [Panel(bead, Axis(amplitude, ends=(0.0, None)), curves, remark=remark, marks=marks)]
+    waves = _waves(problem, shared, energies, missing)
+    if waves:
+        shown.append(Panel(bead, _of_input("energy of pulses /\n"), waves))
     if 1 < problem.chains <= FEW and bool(np.any(np.isfinite(energies.chain))):
         curves = curves_of(chains, *broken(shared.bead[energies.place], energies.chain[:, chains], missing))
         shown.append(Panel(bead, _of_input("energy of chains /\n"), curves))

@@ -4,20 +4,33 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
+from matplotlib.text import Text
 from small_problems import problem as small
-from synthetic_waves import reference, surveyed
+from synthetic_waves import of_keys, reference, surveyed
 
 from analysis.conservation import Account
 from analysis.figures.drawing import draw
-from analysis.figures.panels import MAX_PANELS, AxisUnit, axis_unit, shown_chains
+from analysis.figures.panels import (
+    MAX_PANELS,
+    Axis,
+    AxisUnit,
+    Curve,
+    Image,
+    Panel,
+    Sheet,
+    axis_unit,
+    shown_chains,
+)
 from analysis.figures.spacetime import HistoryMeter, RootScale, space_time_meter, spacetime_sheet
 from analysis.figures.style import CHAIN_DASHES
 from analysis.figures.waves import distance_sheet, passage, pulses, response_sheet, shape_sheet, time_title
 from analysis.sharing.energies import Flow
 from analysis.sharing.survey import survey
 from lammps_inputs import Kick
-from lammps_inputs.units import make_scale
+from lammps_inputs.units import Label, make_scale
+from workflow.engines.reference import engine
 from workflow.formats import written_as
 from workflow.measures.budget import BudgetMeasurement
 from workflow.measures.energy import EnergyMeasurement
@@ -54,6 +67,15 @@ def test_the_distance_figure_shows_the_energies_of_waves_and_chains(found):
     for k, name in enumerate(("chain 1", "chain 2")):
         assert np.array_equal(curves(waves)[name].get_ydata(), found.energies.wave[:, k], equal_nan=True)
         assert np.array_equal(curves(chains)[name].get_ydata(), found.energies.chain[:, k])
+
+
+def test_the_distance_figure_has_no_panel_without_a_curve():
+    recorded = {"beads": [5, 9, 12], "every": 0.2}  # which have no energy, and with a gap no exact waves
+    keys = {"coupling": {"stiffness": 0.1}, "kick": {"velocity": 1.0}, "output": recorded}
+    few = surveyed(engine.run(of_keys(chains=2, beads=20, gap=0.5, duration=40.0, **keys)))
+    panels = distance_sheet(few.problem, few.shared, few.energies).panels
+    assert len(panels) == 2
+    assert all(panel.curves for panel in panels)
 
 
 def test_chains_differ_by_dash_in_every_panel_so_that_grey_tells_them(found):
@@ -312,6 +334,17 @@ def test_figures_of_a_width_that_is_asked_for_have_that_width_and_no_title(found
             assert axis.get_window_extent().width > 10.0
 
 
+def test_titles_of_close_ups_in_si_units_end_within_a_narrow_figure(found):
+    trajectory = reference(2, 0.1, 60, 80.0)
+    si = replace(trajectory.problem, scale=make_scale(3.6e-3, 1.4e10, 0.01, si=True))
+    with written_as(("png",), 3.4):
+        figure = draw(response_sheet(history(replace(trajectory, problem=si), (10, 50)), found.waves))
+    figure.draw_without_rendering()
+    shown = figure.findobj(lambda part: isinstance(part, Text) and ") arrival" in part.get_text())
+    assert len(shown) == 2
+    assert all(title.get_window_extent().x1 <= figure.bbox.x1 for title in shown)
+
+
 @pytest.mark.parametrize("top", [1.0, 0.55, 4.3e2, 2.0001e-6])
 def test_ticks_of_colours_are_round_and_reach_most_of_the_scale(top):
     ticks = RootScale(top).ticks
@@ -330,3 +363,17 @@ def test_the_largest_pulses_are_shown_in_their_order_each_from_where_it_is_small
         assert 2.0 < peak - low < 8.0
         assert 2.0 < high - peak < 8.0
     assert pulses(time, np.sin(0.01 * time)) == []
+
+
+@pytest.mark.parametrize("dashes", ["-", "--"])
+def test_a_white_line_over_an_image_has_an_outline_without_gaps(dashes):
+    nothing = Axis(Label(""), ends=(0.0, 1.0))
+    bright = Image(np.ones((2, 2)), (0.0, 1.0), (0.0, 1.0), Label(""), (0.0, 1.0))
+    line = Curve("line", np.array([0.0, 1.0]), np.array([0.5, 0.5]), look={"color": "white", "linestyle": dashes})
+    figure = draw(Sheet("", [[Panel(nothing, nothing, (line,), image=bright)]], 3.0))
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    left, bottom, right, top = figure.axes[0].get_window_extent().extents.astype(int)
+    pixels = np.asarray(canvas.buffer_rgba())[::-1, :, :3].max(axis=-1)[bottom + 5 : top - 5, left + 5 : right - 5]
+    assert np.all(pixels.min(axis=0) < 128)  # in every column
+    assert np.all(pixels[0] > 128)

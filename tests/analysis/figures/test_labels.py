@@ -1,5 +1,6 @@
 """Which bead, chain and time is where in a figure, in which unit, under which label: numbers made by hand."""
 
+import itertools
 from types import SimpleNamespace
 
 import numpy as np
@@ -135,7 +136,11 @@ def test_what_is_left_of_a_trace_is_data_minus_run_in_units_of_the_noise(problem
     figure = residual_figure(problem, given, found, np.array([2.0, 10.0]) * unit)
     assert figure.get_suptitle().replace("\n", " ").startswith(title(problem).replace("\n", " "))
     traces, left, *others = figure.axes
-    assert traces.get_ylabel().startswith("force contact 2 chain 3\n")
+    assert traces.get_title(loc="left") == "(a) force contact 2 chain 3"
+    assert traces.get_ylabel().startswith("force (")
+    figure.draw_without_rendering()
+    ends = [axis.yaxis.label.get_window_extent() for axis in figure.axes]  # each above the next
+    assert all(label.y0 > below.y1 for label, below in itertools.pairwise(ends))
     data, run = (
         next(line for line in traces.get_lines() if line.get_label() == name).get_ydata() for name in ("data", "run")
     )

@@ -43,6 +43,12 @@ def test_help_explains_phrases_keys_of_results_sections_of_the_model_and_terms_o
     assert explanation in said(capsys, "help", *words.split())
 
 
+def test_all_meanings_of_a_word_stand_where_they_hold_the_phrase(capsys):
+    text = said(capsys, "help", "Uncertainty").partition("\n  train.")[0]  # both of *error*: a term, and of spectra.csv
+    assert "measured difference from the reference integrator" in text
+    assert "uncertainty of each amplitude" in text
+
+
 def test_help_refuses_a_phrase_that_no_page_has(capsys):
     assert main(["help", "leading", "elephant"]) == 2
     assert "'leading elephant' is no key of a scene" in capsys.readouterr().err

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from lammps_inputs import units
 from workflow.plugins.modes import branch_figures
 
 
@@ -25,6 +26,11 @@ def test_figures_of_periodic_states_name_the_state_and_tell_it_from_the_linear_m
         draw([branch], "the case").axes[0] for draw in (branch_figures.multiplier_figure, branch_figures.shape_figure)
     )
     assert multipliers.get_title() == shapes.get_title() == "mode 2: state 3, energy 1"
+    motion = branch_figures.motion_figure(
+        [branch], (units.Label("displacement"), units.Label("time")), "the case"
+    ).axes[0]
+    ticks = np.concatenate([axis.get_xticks() for axis in (shapes, motion)])
+    assert np.array_equal(ticks, ticks.round())  # numbers of beads
     looks = {line.get_label(): (line.get_marker(), line.get_linestyle()) for line in shapes.get_lines()}
     assert looks["last state"] == ("o", "None")
     assert looks["linear mode"] == ("None", "-")

@@ -169,6 +169,14 @@ def test_a_validation_writes_its_page_on_request_and_removes_that_of_an_earlier_
     assert (copy / "validation-against.html").exists()
 
 
+def test_runs_of_chains_whose_beads_and_contacts_are_not_all_alike_are_compared(tmp_path):
+    scene = {**SCENE, "beads": 12, "duration": 4.0, "walls": {"right": "rigid"}}
+    runs = [granchain.run(scene, tmp_path / name, engine="reference").directory for name in ("A", "B")]
+    frames = frames_of(runs)
+    assert frames.difference.velocity.shape[::2] == (2, 12)
+    assert not frames.difference.velocity.any()
+
+
 @pytest.mark.usefixtures("lammps_here")
 def test_rows_that_a_window_has_left_have_no_difference(made, tmp_path):
     scene = {**SCENE, "beads": 100, "duration": 100.0, "window": 64}

@@ -69,12 +69,16 @@ def _mentions(phrase: str) -> str:
     Raises:
         InputError: there are none.
     """
-    places = dict(_places(phrase)) if len(phrase) >= _LEAST_LETTERS else {}
+    places: dict[str, list[str]] = {}  # of a name that has several meanings all that hold the phrase
+    for name, text in _places(phrase) if len(phrase) >= _LEAST_LETTERS else ():
+        meanings = places.setdefault(name, [])
+        meanings += [text] if text not in meanings else []
     if not places:
         raise InputError(
             f"help: {phrase[:60]!r} is no key of a scene, no command, no quantity and no term{_suggestion(phrase)}"
         )
-    shown = [f"  {name}:\n{textwrap.indent(text, '  ')}" for name, text in list(places.items())[:MOST_SHOWN]]
+    explained = [(name, "\n".join(meanings)) for name, meanings in list(places.items())[:MOST_SHOWN]]
+    shown = [f"  {name}:\n{textwrap.indent(text, '  ')}" for name, text in explained]
     if len(places) > MOST_SHOWN:
         rest = f"also in the explanations of {', '.join(list(places)[MOST_SHOWN:])}"
         shown += textwrap.wrap(rest, 100, initial_indent="  ", subsequent_indent="  ")

@@ -69,6 +69,7 @@ def draw(
         axes[1].errorbar(number, exponents, yerr=errors, fmt="o", markersize=3, color="black")
         axes[1].axhline(0.0, color="0.6", linewidth=0.8)
         axes[1].set_xlabel("number of the exponent")
+        axes[1].locator_params(axis="x", integer=True)
         axes[1].set_ylabel(labels[0].mathtext)
         style.letter(axes)
     style.head(figure, title)

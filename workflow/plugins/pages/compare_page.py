@@ -82,6 +82,7 @@ def compared_frames(problem: Problem, pairs: Iterable[Pair], chains: list[int]) 
         lines,
         most_numbers=3 * MOST_NUMBERS,
         deforms=False,
+        energies=False,  # that of a difference means nothing
     )
 
     def of_lines(first: int) -> Thinned:
@@ -97,7 +98,6 @@ def compared_frames(problem: Problem, pairs: Iterable[Pair], chains: list[int]) 
 
 def _side_by_side(problem: Problem, first: Trajectory, second: Trajectory) -> Trajectory:
     """Frames with the chains of A, then those of B, then their differences A minus B, as lines."""
-    # no energy is computed of frames of some beads, and that of a difference means nothing
     rows = first.problem.rows.only(None if problem.rows.follow else problem.rows.numbers)
     x, v = (
         np.concatenate([values, other_values, values - other_values], axis=1)

@@ -88,6 +88,7 @@ def thinned(
     *,
     most_numbers: int = MOST_NUMBERS,
     deforms: bool = True,
+    energies: bool = True,
 ) -> Thinned:
     """Every n-th bead and m-th frame of some chains.
 
@@ -97,6 +98,7 @@ def thinned(
         chains: which to keep, counted from 0.
         most_numbers: numbers that are kept of each kind, about.
         deforms: whether overlaps and forces are shown, where beads have some.
+        energies: whether energies are shown, of frames of all beads.
     """
     recorded = problem.rows.numbers
     beads = slice(None, None, max(1, -(-len(recorded) // MOST_BEADS)))
@@ -110,7 +112,7 @@ def thinned(
     frames_read = 0
     for block in blocks:
         frames = _whole(block[-frames_read % stride :: stride])
-        density = _energy(frames)
+        density = _energy(frames, energies)
         of_beads = (values[:, chains, beads] for values in (*_of(frames, deforms), density))
         parts.append((frames.time, density.sum(axis=-1)[:, chains], _resonators(frames, tied)[..., beads], *of_beads))
         near = (np.arange(frames_read, frames_read + block.frames) + stride // 2) // stride
@@ -162,9 +164,9 @@ def _of(frames: Trajectory, deforms: bool) -> tuple[Floats, Floats, Floats]:
     return x, overlap, force
 
 
-def _energy(frames: Trajectory) -> Floats:
-    """Energy of each bead, [frame, chain, bead]; NaN where not all beads are recorded."""
-    if not frames.problem.rows.complete:
+def _energy(frames: Trajectory, energies: bool) -> Floats:
+    """Energy of each bead, [frame, chain, bead]; NaN where it is not shown or not all beads are recorded."""
+    if not (energies and frames.problem.rows.complete):
         return np.full(frames.velocity.shape, np.nan)
     return motion.bead_energy(frames.system, frames.displacement, frames.velocity)
 

@@ -7,9 +7,9 @@ import numpy as np
 from granchain.parts import Problem, panels, units
 from workflow.plugins.sound.dispersion import Branches, Map
 
-_PI = "\N{GREEK SMALL LETTER PI}"
+_PI, _MINUS = "\N{GREEK SMALL LETTER PI}", "\N{MINUS SIGN}"
 
-TICKS = {-math.pi: f"-{_PI}", -math.pi / 2: f"-{_PI}/2", 0.0: "0", math.pi / 2: f"{_PI}/2", math.pi: _PI}
+TICKS = {-math.pi: f"{_MINUS}{_PI}", -math.pi / 2: f"{_MINUS}{_PI}/2", 0.0: "0", math.pi / 2: f"{_PI}/2", math.pi: _PI}
 """Wavenumbers that the axis names."""
 
 
