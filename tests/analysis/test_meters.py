@@ -162,7 +162,8 @@ def test_energies_of_waves_in_a_window_are_those_of_all_beads_or_undefined_where
     np.testing.assert_allclose(near[np.isfinite(near)], expected[np.isfinite(near)], rtol=0.0, atol=1e-9)
     energies = (of["energies"] for of in (held, complete.measured))
     values, expected = (np.stack([of.wave, of.wave_error]) for of in energies)
-    np.testing.assert_allclose(values[np.isfinite(values)], expected[np.isfinite(values)], rtol=0.0, atol=2e-8)
+    # differences over a short time feel the missing bead behind that of the first of their beads a little
+    np.testing.assert_allclose(values[np.isfinite(values)], expected[np.isfinite(values)], rtol=0.0, atol=1e-7)
     after = np.minimum(np.floor(meters["energies"]._time / run.spacing).astype(int) + 1, run.frames - 1)
     tail = np.where(first[after] > 1, first[after] + reach(run.problem) + 2, 1)
     inside = meters["energies"]._peaks[0] >= tail[:, np.newaxis]
