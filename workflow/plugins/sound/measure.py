@@ -110,7 +110,7 @@ class SoundMeasurement(measurement.Measurement):
         if not physics.loaded(run.problem.system):
             return None
         if measured is not None and run.error.measured:
-            of_ratio = run.error.of_force(run.problem) / float(np.min(laws.load(run.problem.system.along[0].law)))
+            of_ratio = run.error.of_force(run.problem) / float(np.min(run.problem.system.along[0].law.load))
             of_speed = 2.0 * run.error.arrival * measured.speed**2 / abs(measured.last - measured.first)
             measured = with_errors(measured, run.problem, of_ratio, of_speed)
         length = bead_length(run.scene)
