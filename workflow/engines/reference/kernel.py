@@ -317,6 +317,8 @@ class _Writer:
             "pushed": terms.pushed_in_drifts,
             "damped": terms.dashpots != "none",
             "half_step": terms.dashpots == "half step",
+            "drifting": terms.dashpots == "drift",
+            "reset": terms.dashpots == "drift" and bool(terms.motions or terms.with_state),
             "counts_lost": terms.counts_lost,
             "counts_work": terms.counts_work,
             "moved_with_loss": terms.moved_with_loss,
