@@ -33,6 +33,7 @@ from workflow.engines.reference.common import displaced, maximum, over_the_way
 PRESS = """
 for k in range(low + {row}, high):
     push[k] = {contact}
+{walls}
 """
 
 KICK = """
@@ -265,6 +266,7 @@ for k in range(low + {row}, high):
     squeeze[k] = {contact}
 for k in range(high, high + {row}):
     squeeze[k] = 0.0
+{walls}
 """
 
 DRAG_AS_LAMMPS = """
@@ -408,11 +410,13 @@ def shifted_rate(rates, x, q, s, factor, squeeze, drag, low, high):
 TANGENT_KICK = """
 for k in range(low + {row}, high):
     slopes[k] = {contact_slope}
+{wall_slopes}
 {stiffness}
 for n in range(dx.shape[0]):
     dx_n, dv_n = dx[n], dv[n]
     for k in range(low + {row}, high):
         pulls[k] = slopes[k] * (dx_n[k - {row}] - dx_n[k])
+    {wall_pulls}
     {loops}
     for k in range(low, high):
         dv_n[k] += factor * ((pulls[k] - pulls[k + {row}]{others}){per_mass})
