@@ -5,8 +5,8 @@ source: in units of m V**2, from frames of all beads. The energy exchanged betwe
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -65,6 +65,11 @@ class Account:
         "energy of other atoms beside the beads, by their name: kinetic, and of their springs",
         "energy",
         "there are none",
+    )
+    in_resonators_error: float | None = declare(
+        "uncertainty of ``in_resonators``: by the error e of velocities in the run (``run_error``), 2 e sqrt(M E) + "
+        "M e^2 over the energy input, with mass M and energy E of the resonators; and that of the energy input",
+        undefined="so is ``in_resonators``, or the run was not checked",
     )
 
     @property
@@ -141,7 +146,9 @@ class AccountMeter(Meter[tuple[tuple[Floats, ...], tuple[Floats, ...]], Account]
         of_kinds = {name: stored.pop(name, np.zeros(len(time))) for name in STORED}
         lost = zip(names, parts[len(places) :], strict=True)
         by_name = {name: part for name, part in lost if name is not None}
-        return Account(time, energy_input, **of_kinds, dissipated=by_name, other_atoms=stored or None)
+        return Account(
+            time, energy_input, **of_kinds, dissipated=by_name, other_atoms=stored or None, in_resonators_error=None
+        )
 
 
 def _sampled(block: Trajectory, frames: slice) -> tuple[Floats, ...]:
@@ -200,6 +207,24 @@ def _of_others(system: System, x: Floats, v: Floats) -> list[Floats]:
         kinetic[:, lines].sum(axis=-1) + sum(energy for line, energy in tied if line in lines)
         for lines in system.lines_by_noun.values()
     ]
+
+
+def with_error(
+    account: Account, system: System, of_energy: Callable[[Floats, float], Floats], of_input: float
+) -> Account:
+    """The account with the uncertainty of its share of energy in resonators, where that share is defined.
+
+    Args:
+        account: energies of a run.
+        system: what was run.
+        of_energy: uncertainty of an energy of atoms, from that energy and their mass, in units of m V**2 and m.
+        of_input: uncertainty of the energy input, in units of m V**2.
+    """
+    if np.isnan(account.in_resonators):
+        return account
+    mass = sum(float(np.sum(line.mass)) for line in system.further_lines if line.noun.plural == "resonators")
+    error = float(of_energy(account.resonators[-1:], mass)[0]) + account.in_resonators * of_input
+    return replace(account, in_resonators_error=error / float(account.energy_input[-1]))
 
 
 class FrameAccountant(ABC):

@@ -14,7 +14,7 @@ from processes import HANGS
 
 from analysis import labelled
 from analysis.compare import start
-from analysis.compare.difference import errors_of
+from analysis.compare.difference import DeviationPlace, errors_of
 from analysis.conservation import AccountMeter
 from lammps_inputs import library, physics
 from lammps_inputs.decks import deck
@@ -145,11 +145,10 @@ def test_the_second_line_of_a_noun_at_a_chain_is_number_2():
 
 @pytest.mark.parametrize("noun", ["resonator", "pendulum", ""])
 def test_the_place_of_an_error_is_read_as_it_was_written_and_as_earlier_versions_wrote_it(noun):
-    place = {"chain": 2, "bead": 3, "time": 1.5, "noun": noun, "number": 2 if noun else 0}
-    plain = ErrorPlace.of(**place).plain()
-    assert ErrorPlace(**plain).values == place
-    earlier = {"chain": 2, "bead": 3, "time": 1.5, "resonator": place["number"]}
-    assert plain == (earlier | {"noun": noun} if noun == "pendulum" else earlier)
+    place = DeviationPlace(2, 3, 1.5, noun, 2 if noun else 0)
+    assert DeviationPlace.from_plain(**ErrorPlace(**place.plain()).plain()) == place
+    earlier = {"chain": 2, "bead": 3, "time": 1.5, "resonator": place.number}
+    assert place.plain() == (earlier | {"noun": noun} if noun == "pendulum" else earlier)
 
 
 def test_the_budget_has_the_energy_of_each_noun_and_closes(mixed):

@@ -13,7 +13,7 @@ Examples:
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -32,6 +32,9 @@ from lammps_inputs.facts import Fact
 QUANTITIES = ("velocity", "displacement", "amplitude", "arrival", "energy", "momentum")
 
 MAP_CELLS = 400
+
+_RESONATOR = "resonator"
+"""Key of the number of another atom in data of a place, and its noun where they have none."""
 
 
 def matched(first: Peaks, second: Peaks, beads: int) -> tuple[Peaks, Peaks]:
@@ -108,6 +111,17 @@ class DeviationPlace:
         bead = f"bead {self.bead} of chain {self.chain}"
         return f"{self.noun} {self.number} at {bead}" if self.noun else bead
 
+    def plain(self) -> dict[str, Any]:
+        """Data for JSON: the number as ``resonator``; the noun where it is another."""
+        noun = {} if self.noun in ("", _RESONATOR) else {"noun": self.noun}
+        return {"chain": self.chain, "bead": self.bead, "time": self.time, _RESONATOR: self.number, **noun}
+
+    @classmethod
+    def from_plain(cls, chain: int, bead: int, time: float | None = None, **atom: Any) -> "DeviationPlace":
+        """The place that has such data."""
+        number = atom.get(_RESONATOR, 0)
+        return cls(chain, bead, time, atom.get("noun", _RESONATOR) if number else "", number)
+
 
 @dataclass(frozen=True)
 class Deviation:
@@ -124,6 +138,11 @@ class Deviation:
     rms: float
     where: DeviationPlace | None = None
     first: DeviationPlace | None = None
+
+    def plain(self) -> dict[str, Any]:
+        """Data for JSON."""
+        places = {"where": self.where and self.where.plain(), "first": self.first and self.first.plain()}
+        return {"largest": self.largest, "rms": self.rms, **places}
 
 
 def deviation_of(
@@ -244,11 +263,8 @@ class DifferenceMeter:
 
     tolerances: dict[str, float]
 
-    def of_parts(self, part: Part, reference: Part, earlier: Sequence[_Compared] = ()) -> _Compared:
-        """Differences in a part of the run from the same part of the reference.
-
-        Beads whose first maxima are in ``earlier`` pieces are not searched for any more, which saves time.
-        """
+    def of_parts(self, part: Part, reference: Part) -> _Compared:
+        """Differences in a part of the run from the same part of the reference."""
         block, problem = part.frames, part.around.problem
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
             (x, v), (right_x, right_v) = of_common_atoms(block, reference.frames)
@@ -257,10 +273,8 @@ class DifferenceMeter:
                 problem,
                 _Differences.of(block, difference, self.tolerances["velocity"]),
                 _Differences.of(block, x - right_x, self.tolerances["displacement"]),
-                leading_meter(problem).of_part(part, [piece.peaks for piece in earlier]),
-                leading_meter(reference.around.problem).of_part(
-                    reference, [piece.reference_peaks for piece in earlier]
-                ),
+                leading_meter(problem).of_part(part),
+                leading_meter(reference.around.problem).of_part(reference),
                 ConservationMeter(problem).of_part(part),
                 _cells(block, difference),
             )
@@ -324,10 +338,7 @@ class DifferenceMeter:
         Raises:
             ValueError: there was no frame.
         """
-        pieces: list[_Compared] = []
-        for pair in pairs:
-            pieces.append(self.of_parts(*pair, pieces))
-        return self.result(pieces)
+        return self.result([self.of_parts(*pair) for pair in pairs])
 
 
 def _beads_a_cell(problem: Problem) -> int:

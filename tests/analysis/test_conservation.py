@@ -127,7 +127,7 @@ def test_with_a_drive_momentum_is_that_of_now_or_as_lammps_has_it():
 
 # --- budget -----------------------------------------------------------------------------------------------------------
 
-NONE = dict.fromkeys(STORED, np.zeros(2)) | {"other_atoms": None}
+NONE = dict.fromkeys(STORED, np.zeros(2)) | {"other_atoms": None, "in_resonators_error": None}
 
 PLAIN = {
     "chains": 2,

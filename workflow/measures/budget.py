@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from analysis.conservation import Account, Conservation
+from analysis.conservation import Account, Conservation, with_error
 from analysis.figures import averages
 from analysis.figures.panels import Curve, FrameContent, Panel, Sheet, axis_unit, title
 from analysis.quantity import declare, result
@@ -108,6 +108,8 @@ class BudgetMeasurement(Measurement):
         if conservation.budget is None:
             return None
         account = conservation.budget
+        if run.error.measured:
+            account = with_error(account, run.problem.system, run.error.of_energy, between_frames)
         stated = run.job.check or run.job.uncertainty
         closed_account = ClosedAccount(
             **vars(account),

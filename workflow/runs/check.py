@@ -75,7 +75,7 @@ def stored_check(directory: RunDirectory) -> Check | None:
     record = directory.account.check
     if record is None:
         return None
-    where = None if record.where is None else DeviationPlace(**record.where.values)
+    where = None if record.where is None else DeviationPlace.from_plain(**record.where.plain())
     numbers: dict[str, Any] = {
         name: math.nan if value is None else value for name, value in record.reference.model_dump().items()
     }

@@ -6,7 +6,6 @@ from dataclasses import asdict, dataclass
 from analysis.compare.difference import DeviationPlace, Uncertainty
 from analysis.trajectory import FramesInUnits, Trajectory
 from lammps_inputs import html
-from workflow.runs.job import ErrorPlace
 from workflow.runs.run_directory import RunDirectory
 
 
@@ -49,8 +48,7 @@ class Check:
 
     def plain(self) -> dict[str, object]:
         """Plain data of the check, for ``run.json``."""
-        where = None if self.where is None else ErrorPlace.of(**asdict(self.where)).plain()
-        return asdict(self) | {"where": where}
+        return asdict(self) | {"where": self.where and self.where.plain()}
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ import shlex
 import sys
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import from_json
@@ -64,10 +64,6 @@ class RecordPart(BaseModel):
         return {key: value for key, value in self.model_dump(exclude_unset=True).items() if value is not None}
 
 
-_RESONATOR = "resonator"
-"""Noun of other atoms than beads where a file names none."""
-
-
 class Resumed(RecordPart):
     """One time that a run was resumed."""
 
@@ -103,30 +99,13 @@ class UncertaintyRecord(RecordPart):
 
 
 class ErrorPlace(RecordPart):
-    """A bead of a chain, or another atom at it, at a time: an `analysis.compare.difference.DeviationPlace`.
-
-    Attributes:
-        resonator: number of the other atom among those of its noun at the bead; 0 for the bead itself.
-        noun: what it is called, where it is no resonator.
-    """
+    """A bead of a chain, or another atom at it, at a time: data of an `analysis.compare.difference.DeviationPlace`."""
 
     chain: Count
     bead: Count
     time: Number | None
     resonator: Count
     noun: str | None = None
-
-    @classmethod
-    def of(cls, *, noun: str, number: int, **place: Any) -> Self:
-        """The place as the file has it, from the fields of a `DeviationPlace`."""
-        named = {} if noun in ("", _RESONATOR) else {"noun": noun}
-        return cls.model_validate({**place, "resonator": number, **named})
-
-    @property
-    def values(self) -> dict[str, Any]:
-        """Fields of the `DeviationPlace`."""
-        noun = self.noun or (_RESONATOR if self.resonator else "")
-        return {"chain": self.chain, "bead": self.bead, "time": self.time, "noun": noun, "number": self.resonator}
 
 
 class ErrorRecord(RecordPart):

@@ -251,7 +251,14 @@ def test_the_layers_of_the_budget_add_up_to_what_was_put_in_in_the_units_of_the_
     time = np.linspace(0.0, 10.0, 5)
     held = {"kinetic": 0.3 - 0.02 * time, "contacts": np.full(5, 0.19), "springs": np.zeros(5)}
     held |= {"ground": np.zeros(5), "walls": np.full(5, 0.01), "resonators": np.zeros(5)}
-    account = Account(time, np.full(5, 0.5), **held, dissipated={"contact_damping": 0.02 * time}, other_atoms=None)
+    account = Account(
+        time,
+        np.full(5, 0.5),
+        **held,
+        dissipated={"contact_damping": 0.02 * time},
+        other_atoms=None,
+        in_resonators_error=None,
+    )
     si = replace(small(), scale=make_scale(3.6e-3, 1.4e10, 0.01, si=True))
     figure = draw(BudgetMeasurement(si, account).sheet())
     (axis,) = figure.axes
@@ -269,9 +276,8 @@ def test_the_layers_of_the_budget_add_up_to_what_was_put_in_in_the_units_of_the_
 def account_of(kinetic, time):
     nothing = np.zeros(len(time))
     stored = dict.fromkeys(("springs", "ground", "walls", "resonators"), nothing)
-    return Account(
-        time, np.ones(len(time)), kinetic=kinetic, contacts=1.0 - kinetic, **stored, dissipated={}, other_atoms=None
-    )
+    stored |= {"kinetic": kinetic, "contacts": 1.0 - kinetic}
+    return Account(time, np.ones(len(time)), **stored, dissipated={}, other_atoms=None, in_resonators_error=None)
 
 
 @pytest.mark.parametrize(("period", "mean"), [(2.7, True), (40.0, False)])
