@@ -76,7 +76,7 @@ class Walls(Ingredient):
         contact = setting.contact_law(1.0)
         if contact is not None and laws.has_state(contact):
             raise ValueError("walls: are not available with own contacts that depend on the past; leave them out")
-        no_power = contact is not None and not hasattr(contact, "exponent")
+        no_power = contact is not None and contact.exponent is None
         for key in ("left", "right"):
             kind = getattr(self, key)
             block = isinstance(kind, Face) and kind.material is not None
