@@ -217,7 +217,7 @@ def with_error(
     Args:
         account: energies of a run.
         system: what was run.
-        of_energy: uncertainty of an energy of atoms, from that energy and their mass, in units of m V**2 and m.
+        of_energy: uncertainties of energies of atoms, [...] in units of m V**2, from the energies and the mass in all.
         of_input: uncertainty of the energy input, in units of m V**2.
     """
     if np.isnan(account.in_resonators):
