@@ -15,7 +15,8 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import Problem, System, physics
+from lammps_inputs import Problem, System, laws, physics
+from lammps_inputs.links import Link
 
 Floats = NDArray[np.float64]
 """Array of float64; the docstring of a function or field has its shape and unit.
@@ -272,6 +273,34 @@ class Trajectory:
         """
         system = physics.at(self.problem.system, self.time[frames] if time is None else time)
         return system if self.contact_state is None else physics.at_contact_state(system, self.contact_state[frames])
+
+    def law(self, link: Link, frame: Integers, chain: Integers, place: Integers) -> Any:
+        """Law of chosen links along chains or to the ground, in the state of their contacts at frames.
+
+        Args:
+            link: links of the system.
+            frame: [...] positions of the frames.
+            chain: [...] positions of the chains, from 0.
+            place: [...] positions of the links along the last axis of their arrays, from 0.
+
+        Returns:
+            The law, whose parameters that differ are arrays [...].
+        """
+        law = laws.at(link.law, chain, place)
+        if self.contact_state is None or not laws.has_state(law):
+            return law
+        return laws.at_state(law, self.contact_state[frame, chain, place + physics.first_state(link)])
+
+    def state_of_contact(self, place: int) -> Floats | None:
+        """State of one contact of each chain, [frame, chain] in the law's unit; None where no force depends on one.
+
+        Args:
+            place: position of the contact in `contact_state`, from 0.
+
+        Returns:
+            The states, or None.
+        """
+        return None if self.contact_state is None else self.contact_state[:, :, place]
 
     def with_motion(self, time: Floats, displacement: Floats, velocity: Floats) -> "Trajectory":
         """Frames of the same beads at other times, in the states of contacts of these.

@@ -285,7 +285,7 @@ print(json.dumps({
     "peak": float(peaks.velocity[peaks.bead == 20][0]),
     "refused": refused,
     "rebound": [engine.run(worn, steps_per_frame=steps).velocity[-1, 0].tolist() for steps in (10, 400)],
-    "states": [engine.make_state(each, None).contact_state.size for each in (worn, find("two-chains").problem())],
+    "states": [engine.make_state(each, None).compiled.contacts.size for each in (worn, find("two-chains").problem())],
 }))
 """
 

@@ -300,8 +300,8 @@ def contact_state(law: Any) -> Any:
 
 
 def at_state(law: Any, state: Any) -> Any:
-    """The law at another state of its contacts; unchanged for a law without one."""
-    return replace(law, **{state_name(law): state}) if has_state(law) else law
+    """The law at another state of its contacts; unchanged without a state, or for a law that has none."""
+    return replace(law, **{state_name(law): state}) if state is not None and has_state(law) else law
 
 
 def state_heading(law: Any) -> str:
