@@ -172,6 +172,11 @@ def _stored(system: System, x: Floats, v: Floats) -> dict[str, Floats]:
     return dict(zip(STORED, [kinetic, *stored, resonators], strict=True))
 
 
+def mass_of_resonators(system: System) -> float:
+    """Mass of all resonators together; 0 without any."""
+    return 0.0 if system.further_mass is None else float(np.sum(system.further_mass))
+
+
 class FrameAccountant(ABC):
     """Gives frames the energy that they have exchanged.
 

@@ -11,6 +11,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
 
+import numpy as np
+
 from analysis.trajectory import Trajectory, joined, mirrored
 
 BEFORE = 2
@@ -26,11 +28,10 @@ class Part:
 
     Attributes:
         around: these frames, `BEFORE` others before and `AFTER` others after them, fewer at the ends of the run, all at
-            the beads of these frames.
+            the beads of these frames; NaN at those that a window has left by then.
         before: number of frames before these.
         count: number of these frames.
         start: number of the first of them in the run, from 0.
-        left: number of the beads, from the first on, that a window leaves after these frames; they have 0 afterwards.
 
     Examples:
         >>> frames = engine.run(granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem())
@@ -43,7 +44,6 @@ class Part:
     before: int
     count: int
     start: int
-    left: int = 0
 
     @property
     def frames(self) -> Trajectory:
@@ -96,8 +96,7 @@ def parts_of(blocks: Iterable[Trajectory]) -> Iterator[Part]:
         behind = [] if before is None else [before]
         around = _at_beads_of(block, [*behind, block, *(later[:AFTER] for later in ahead)])
         carried = sum(earlier.frames for earlier in behind)
-        left = ahead[0].first - block.first if ahead else 0
-        yield Part(around[: carried + block.frames + AFTER], carried, block.frames, start, left)
+        yield Part(around[: carried + block.frames + AFTER], carried, block.frames, start)
         before = around[: carried + block.frames].last(BEFORE)
         start += block.frames
 
@@ -105,7 +104,7 @@ def parts_of(blocks: Iterable[Trajectory]) -> Iterator[Part]:
 def _at_beads_of(block: Trajectory, consecutive: list[Trajectory]) -> Trajectory:
     """Consecutive frames in one trajectory, at the beads of a block: a window may have moved."""
     last = block.first + block.velocity.shape[2] - 1
-    return joined(frames.on(block.first, last) for frames in consecutive)
+    return joined(frames.on(block.first, last, behind=np.nan) for frames in consecutive)
 
 
 Piece = TypeVar("Piece")

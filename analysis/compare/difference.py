@@ -13,7 +13,7 @@ Examples:
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -241,11 +241,8 @@ class DifferenceMeter:
 
     tolerances: dict[str, float]
 
-    def of_parts(self, part: Part, reference: Part, earlier: Sequence[_Compared] = ()) -> _Compared:
-        """Differences in a part of the run from the same part of the reference.
-
-        Beads whose first maxima are in ``earlier`` pieces are not searched for any more, which saves time.
-        """
+    def of_parts(self, part: Part, reference: Part) -> _Compared:
+        """Differences in a part of the run from the same part of the reference."""
         block, problem = part.frames, part.around.problem
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
             (x, v), (right_x, right_v) = of_common_atoms(block, reference.frames)
@@ -254,10 +251,8 @@ class DifferenceMeter:
                 problem,
                 _Differences.of(block, difference, self.tolerances["velocity"]),
                 _Differences.of(block, x - right_x, self.tolerances["displacement"]),
-                leading_meter(problem).of_part(part, [piece.peaks for piece in earlier]),
-                leading_meter(reference.around.problem).of_part(
-                    reference, [piece.reference_peaks for piece in earlier]
-                ),
+                leading_meter(problem).of_part(part),
+                leading_meter(reference.around.problem).of_part(reference),
                 ConservationMeter(problem).of_part(part),
                 _cells(block, difference),
             )
@@ -321,10 +316,7 @@ class DifferenceMeter:
         Raises:
             ValueError: there was no frame.
         """
-        pieces: list[_Compared] = []
-        for pair in pairs:
-            pieces.append(self.of_parts(*pair, pieces))
-        return self.result(pieces)
+        return self.result([self.of_parts(*pair) for pair in pairs])
 
 
 def _beads_a_cell(problem: Problem) -> int:

@@ -239,7 +239,7 @@ class WaveformMeter(Meter[_Watched, "Waveforms"]):
         contact = chain[:, :-1], np.minimum(bead[:, :-1], problem.beads - 2)
         energy = sum(laws.energy(laws.at(link.law, *contact), overlap) for link in system.along)
         stored = np.where(exists[:, :-1] & exists[:, 1:], energy, 0.0)
-        left_out = (place[:, 0] < 0) & (block.first > 1)  # by a window
+        left_out = (place[:, 0] <= 0) & (block.first > 1)  # by a window, or the bead behind, which pushes the first
         return np.where(left_out, np.nan, kinetic.sum(axis=-1) + stored.sum(axis=-1))
 
 

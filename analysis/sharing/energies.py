@@ -98,6 +98,19 @@ class Flow:
         f"the run was not checked, or {NO_CENTRE}",
         default=None,
     )
+    between_error: Floats | None = declare(
+        "uncertainty of ``between`` by the run (``run_error``): 2 e sqrt(M S) + M e^2 over the energy input, with its "
+        "error e of velocities, mass M of all chains and energy S in these springs; none by the time between frames",
+        undefined="as ``between``, or the run was not checked",
+        default=None,
+    )
+    spread_error: Floats | None = declare(
+        "uncertainty of ``spread`` s by the run (``run_error``), with the distance d of beads from ``centre``: "
+        "e sqrt(M / E) times the standard deviation of d^2 over s, with mass and energy of the chain, [instant, chain]",
+        "beads",
+        "as ``centre_error``, or all of the energy is at one bead",
+        default=None,
+    )
     fastest_mode_action_error: float | None = declare(
         "uncertainty of ``fastest_mode_action`` by the run, as ``share_error`` at the end",
         undefined="as ``fastest_mode_action``, or the run was not checked",
@@ -105,6 +118,10 @@ class Flow:
     )
     energy: Floats | None = None
     """Energy of all chains, [instant] in units of m V**2."""
+    supplied: Floats | None = None
+    """Energy input until then, [instant] in units of m V**2; NaN where ``between`` is undefined."""
+    spread_scatter: Floats | None = None
+    """Half the standard deviation of squares of distances from the centre over the spread, [instant, chain]."""
 
     def extremes(self, chain: int) -> tuple[tuple[float, float], tuple[float, float]]:
         """Least and largest share of a chain (from 0) after the start, each with its time; the start if alone."""
@@ -129,7 +146,9 @@ class FlowMeter(Meter[list[tuple[Floats, ...]], Flow]):
     problem: Problem
 
     def of_part(self, part: Part) -> list[tuple[Floats, ...]]:
-        """Time, share, energy between chains, centre, spread, energy of all, and shares of modes, each [frame]."""
+        """Time, share, energy between chains, centre, spread, energy of all, energy input, scatter of the spread, and
+        shares of modes, each [frame].
+        """
         frames = [part.every(-(-(self.problem.frames + 1) // MOST_INSTANTS))]
         if part.is_last:
             frames.append(slice(-1, None))
@@ -145,22 +164,26 @@ class FlowMeter(Meter[list[tuple[Floats, ...]], Flow]):
         for link in block.problem.system.couplings:
             between += np.sum(link.energy(x, block.first), axis=(-2, -1))
         supplied = energy_input(block)[chosen]
-        between /= np.where(supplied > 0.0, supplied, np.nan)
+        supplied = np.where(supplied > 0.0, supplied, np.nan)
+        between /= supplied
         with np.errstate(invalid="ignore", divide="ignore"):
             weight = np.where(share > LEAST, 1.0, np.nan)[..., np.newaxis] * energy / of_chain
         centre = np.sum(weight * block.beads, axis=-1)
-        spread = np.sqrt(np.sum(weight * (block.beads - centre[..., np.newaxis]) ** 2, axis=-1))
+        square = (block.beads - centre[..., np.newaxis]) ** 2
+        spread = np.sqrt(np.sum(weight * square, axis=-1))
+        scatter = np.sqrt(np.sum(weight * (square - spread[..., np.newaxis] ** 2) ** 2, axis=-1))
+        scatter /= np.where(spread > 0.0, 2.0 * spread, np.nan)
         modes = [shares_of_action(block, chosen)] if has_modes(self.problem.system) else []
-        return block.time[chosen], share, between, centre, spread, total[:, 0, 0], *modes
+        return block.time[chosen], share, between, centre, spread, total[:, 0, 0], supplied, scatter, *modes
 
     def result(self, pieces: list[list[tuple[Floats, ...]]]) -> Flow:
         """Energy at the frames, [instant]."""
         *samples, last = [of_frames for piece in pieces for of_frames in piece]
         if len(samples[-1][0]) == 0 or samples[-1][0][-1] < last[0][0]:
             samples.append(last)
-        columns = (np.concatenate(part) for part in list(zip(*samples, strict=True))[:6])
-        time, share, between, centre, spread, energy = columns
-        flow = Flow(time, share, between, centre, spread, energy=energy)
+        columns = (np.concatenate(part) for part in list(zip(*samples, strict=True))[:8])
+        time, share, between, centre, spread, energy, supplied, scatter = columns
+        flow = Flow(time, share, between, centre, spread, energy=energy, supplied=supplied, spread_scatter=scatter)
         if not has_modes(self.problem.system):
             return flow
         action = np.concatenate([of_frames[-1] for of_frames in samples])
@@ -364,4 +387,6 @@ class ShareMeter(Meter[tuple[Integers, Floats], EnergyShares]):
                 between = inside[..., :-1] & inside[..., 1:]
                 energies[:, number_of_set] += np.sum(np.where(inside, kinetic, 0.0), axis=-1)
                 energies[:, number_of_set] += np.sum(np.where(between, contacts, 0.0), axis=-1)
+        # a window has left some of their beads, or the bead behind, which pushes the first of them
+        energies[:, 1:][:, (peaks - far <= block.first) & (block.first > 1)] = np.nan
         return energies

@@ -188,6 +188,21 @@ class Sharing:
         with np.errstate(divide="ignore"):  # a wave of amplitude 0 passes in no time that is finite
             return np.asarray(self.exact.width / speed)
 
+    def at_last(self) -> "tuple[Estimate, Estimate] | None":
+        """Mismatch and spread at the last place, with what errors of amplitudes and arrivals change; None of one chain.
+
+        An amplitude a off makes the mismatch m ``(2 + m) a`` off over the mean, and a passage ``a`` over it at most.
+        """
+        if len(self) == 0 or self.of_tied(self.amplitude).shape[1] < 2:
+            return None
+        mismatch, spread, passage = (float(of[-1]) for of in (self.mismatch, self.spread, self._passage))
+        relative = float(self._over_mean(self.largest_error)[-1])
+        late = 0.0 if self.arrival_error is None else float(np.max(self.of_tied(self.arrival_error)[-1]))
+        return (
+            Estimate(mismatch, (2.0 + mismatch) * relative),
+            Estimate(spread, 2.0 * late / passage + spread * relative),
+        )
+
     def uncertainties(self) -> tuple[float, float]:
         """Largest uncertainty of amplitudes (relative) and of arrivals (in passages) over the last half beat.
 
@@ -516,7 +531,17 @@ def error_of_crossing(places: Floats, values: Floats, level: float, errors: Floa
         errors: bounds on the errors of the values, small against their range, [value].
     """
     slope, intercept = np.polyfit(places, values, 1)
+    return error_of_line(places, errors, (level - intercept) / slope) / abs(float(slope))
+
+
+def error_of_line(places: Floats, errors: Floats, at: float) -> float:
+    """Bound on the error of the line fitted to values, at a place, by errors of the values.
+
+    Args:
+        places: where the values are, [value].
+        errors: bounds on the errors of the values, [value].
+        at: place.
+    """
     offset = places - np.mean(places)
-    lever = (level - intercept) / slope - np.mean(places)
-    weights = 1.0 / len(places) + lever * offset / np.sum(offset**2)
-    return float(np.sum(np.abs(weights) * errors) / abs(slope))
+    weights = 1.0 / len(places) + (at - np.mean(places)) * offset / np.sum(offset**2)
+    return float(np.sum(np.abs(weights) * errors))

@@ -35,6 +35,7 @@ from analysis.tracking.leading_waves import Lags, Waves
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
+from lammps_inputs.limits import rates
 
 STEEPEST = 1.2
 """Power of the peak velocity by which the largest slope of the exact wave's velocity over time grows."""
@@ -82,6 +83,15 @@ class MeasuredError:
     def of_passages(self, peak_velocity: Floats) -> Floats:
         """Errors of the arrivals, [passage], of pulses that do not lead, of these peak velocities."""
         return np.maximum(self.arrival, _rises(self.velocity, peak_velocity))
+
+    def of_force(self, problem: Problem) -> float:
+        """Error of any force of a contact, in units of m V / T."""
+        return 0.5 * float(np.max(problem.system.mass)) * rates.fastest(problem.system) * self.velocity
+
+    def of_energy(self, energy: Floats, mass: float) -> Floats:
+        """Errors of energies, [...], that bodies of a mass in all have with their springs, in units of m V**2."""
+        moved = self.velocity * math.sqrt(mass)
+        return np.asarray(moved * (2.0 * np.sqrt(energy) + moved))
 
 
 def _of_speed(speed: Floats, time: Floats, late: Floats, moved: Floats) -> Floats:
@@ -132,13 +142,22 @@ def flow_with_error(flow: Flow, error: MeasuredError, problem: Problem) -> Flow:
     if not error.measured or flow.energy is None:
         return flow
     mass = np.sum(np.broadcast_to(problem.system.mass, (problem.chains, problem.beads)), axis=1)
+    assert flow.supplied is not None
     of_chain = flow.share * flow.energy[:, np.newaxis]
+    of_springs = error.of_energy(flow.between * flow.supplied, float(np.sum(mass))) / flow.supplied
     of_shares, of_centres = (
         2.0 * error.velocity * np.sqrt(heavy / np.where(energy > 0.0, energy, np.nan))
         for heavy, energy in ((np.sum(mass), flow.energy), (mass, of_chain))
     )
     at_end = None if flow.fastest_mode_action is None else float(of_shares[-1])
-    return replace(flow, share_error=of_shares, centre_error=of_centres * flow.spread, fastest_mode_action_error=at_end)
+    return replace(
+        flow,
+        share_error=of_shares,
+        between_error=of_springs,
+        centre_error=of_centres * flow.spread,
+        spread_error=of_centres * flow.spread_scatter,
+        fastest_mode_action_error=at_end,
+    )
 
 
 def _of_waves(survey: Survey, error: MeasuredError) -> Waves:

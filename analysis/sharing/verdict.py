@@ -22,6 +22,7 @@ from analysis.sharing.equipartition import (
     Estimate,
     Sharing,
     error_of_crossing,
+    error_of_line,
     last_springs,
     resolved,
     unlike,
@@ -52,6 +53,7 @@ class DecayFit:
     last: int = declare("last bead of the fit")
     v0: float = declare(f"amplitude at the kick; {SINGLE_CHAIN} expected", "V", symbol="v_0")
     n_star: float = declare("beads from the kicked one at which the pulse would end", "beads", symbol="n^*")
+    v0_error: float = declare("uncertainty of ``v0``, as ``n_star_error``", "V")
     n_star_error: float = declare(
         "standard error of ``n_star``, and what the errors of the amplitudes change, by the time between frames and by "
         "the run (``run_error``)",
@@ -126,6 +128,9 @@ def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
         last=int(shared.bead[used[-1]]),
         v0=float(intercept**2.5),
         n_star=n_star,
+        v0_error=2.5
+        * float(intercept**1.5)
+        * (float(np.sqrt(covariance[1, 1])) + error_of_line(distance, errors, 0.0)),
         n_star_error=n_star * float(np.sqrt(max(relative, 0.0)))
         + error_of_crossing(distance, amplitude**0.4, 0.0, errors),
         n_star_expected=expected_n_star(springs) if kicked_bead == 1 else float("nan"),

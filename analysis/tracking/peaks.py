@@ -121,24 +121,16 @@ class PeakMeter(Meter[Brackets, Peaks]):
     first_only: bool = False
     direction: int | None = None
 
-    def of_part(self, part: Part, earlier: Iterable[Brackets] = ()) -> Brackets:
-        """Brackets of the maxima at a frame of the part, or between it and the next.
-
-        Where the first maximum of each bead is wanted, beads that have one in ``earlier`` parts are left out, which
-        saves time.
-        """
+    def of_part(self, part: Part) -> Brackets:
+        """Brackets of the maxima at a frame of the part, or between it and the next."""
         block = part.around
         direction = block.problem.direction if self.direction is None else self.direction
         frame, chain, bead = (self._between if block.forces_known else self._at)(part, direction)
-        if self.first_only:
-            new = ~np.isin(_place(chain + 1, block.beads[bead]), _places(earlier))
-            frame, chain, bead = frame[new], chain[new], bead[new]
         if len(frame) == 0:
             return no_maxima(direction)
         if not block.forces_known:
             return bracketed(block, frame, chain, bead, direction)
-        brackets = between_pairs(block, frame, chain, bead, direction, self.threshold)
-        return brackets.where(brackets.first_certain()) if self.first_only else brackets
+        return between_pairs(block, frame, chain, bead, direction, self.threshold)
 
     def _at(self, part: Part, direction: int) -> Places:
         """Largest frames of maxima, of recorded beads alone."""
@@ -162,17 +154,21 @@ class PeakMeter(Meter[Brackets, Peaks]):
         around = v[low - 1 : high + 2]
         if len(around) < high - low + 3:
             around = np.concatenate([around, v[-1:]])
+        follow = block.problem.rows.follow
         everywhere = block.problem.every * quickness_of(block.problem.system) > SPARSE
+        around = np.nan_to_num(around) if follow else around
         (frame, chain, bead), falls = candidates(around, self.threshold, everywhere=everywhere)
         frame += low
         chosen = ~falls
         chosen[falls] = ~_slows(block, frame[falls], chain[falls], bead[falls] + moving.start, direction)
         if self.first_only:  # none after the first largest frame
+            at = v[frame, chain, bead]
+            largest = falls & (at > self.threshold) & (at > v[frame - 1, chain, bead])
             last = np.full(v.shape[1:], block.frames)
-            np.minimum.at(last, (chain[falls], bead[falls]), frame[falls])
+            np.minimum.at(last, (chain[largest], bead[largest]), frame[largest])
             chosen &= frame <= last[chain, bead]
-        if part.left:  # what the window leaves seems to stop after the last frame
-            chosen &= (frame < part.before + part.count - 1) | (bead + moving.start > part.left)
+        if follow:  # what the window has left by the next frame, and the bead ahead of that, which lacks a neighbour
+            chosen &= ~np.isnan(v[frame + 1, chain, np.maximum(bead - 1, 0)])
         frame, chain, bead = frame[chosen], chain[chosen], bead[chosen] + moving.start
         if part.start > 0 or block.frames < 2:
             return frame, chain, bead
@@ -185,8 +181,8 @@ class PeakMeter(Meter[Brackets, Peaks]):
 
     def result(self, pieces: list[Brackets]) -> Peaks:
         """The maxima, sorted."""
-        peaks = _refined(pieces)
-        return peaks.first() if self.first_only else peaks
+        brackets = together(pieces)
+        return _refined(brackets.where(brackets.first_certain()) if self.first_only else brackets)
 
 
 def _first_frame(first: tuple[Any, ...], later: Places) -> Places:
@@ -201,24 +197,12 @@ def _slows(block: Trajectory, frame: Integers, chain: Integers, bead: Integers, 
     return np.asarray(direction * motion.acceleration_and_rate(block, frame, chain, bead)[0] <= 0.0)
 
 
-def _place(chain: Integers, bead: Integers) -> Integers:
-    """Numbers of beads of chains, each another one."""
-    return chain * 2**40 + bead
-
-
-def _places(parts: Iterable[Brackets]) -> Integers:
-    """Numbers of all beads, as of `_place`, that have a maximum for certain in parts."""
-    certain = [_place(part.chain[part.certain], part.bead[part.certain]) for part in parts]
-    return np.concatenate([np.zeros(0, dtype=np.int64), *certain])
-
-
 def find_peaks(blocks: Iterable[Trajectory], threshold: float = THRESHOLD, *, direction: int | None = None) -> Peaks:
     """Maxima above a threshold in a run given as consecutive blocks of frames; see `PeakMeter`."""
     return PeakMeter(threshold, direction=direction).read(blocks)
 
 
-def _refined(parts: list[Brackets]) -> Peaks:
-    brackets = together(parts)
+def _refined(brackets: Brackets) -> Peaks:
     early, at, late = places_of(brackets)
     off, spacing = brackets.off, brackets.spacing
 

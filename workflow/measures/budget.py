@@ -1,12 +1,13 @@
 """Energy budget over time: energy input, where it is stored, what is dissipated, and how well the balance is closed."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 
-from analysis.conservation import Account, Conservation
+from analysis.conservation import Account, Conservation, mass_of_resonators
 from analysis.figures import averages
 from analysis.figures.panels import Curve, FrameContent, Panel, Sheet, axis_unit, title
 from analysis.quantity import declare, result
@@ -40,6 +41,12 @@ class ClosedAccount(Account):
         "uncertainty of what was exchanged between frames over the largest ``energy_input``"
     )
     stated: float | None = declare("error of the velocities that the run states", "V", "it states none")
+    in_resonators_error: float | None = declare(
+        "uncertainty of ``in_resonators``: by the error e of velocities in the run (``run_error``), 2 e sqrt(M E) + "
+        "M e^2 over the energy input, with mass M and energy E of the resonators; and that of the energy input",
+        undefined="so is ``in_resonators``, or the run was not checked",
+        default=None,
+    )
 
 
 @dataclass(frozen=True, repr=False)
@@ -109,5 +116,14 @@ class BudgetMeasurement(Measurement):
             closed=conservation.energy_drift,
             between_frames=between_frames / account.most,
             stated=None if stated is None else stated.velocity,
+            in_resonators_error=_in_resonators_error(run, account, between_frames),
         )
         return cls(run.problem, closed_account)
+
+
+def _in_resonators_error(run: Recorded, account: Account, of_input: float) -> float | None:
+    """Uncertainty of the share of energy in resonators, by the run and an uncertainty of the energy input."""
+    if not (run.error.measured and math.isfinite(account.in_resonators)):
+        return None
+    error = float(run.error.of_energy(account.resonators[-1], mass_of_resonators(run.problem.system)))
+    return (error + account.in_resonators * of_input) / float(account.energy_input[-1])

@@ -5,9 +5,9 @@ exceed the numerical noise, and its largest value must lie before the last frame
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -24,6 +24,8 @@ from analysis.gauges.gauge import (
 )
 from analysis.meters import Meter, Part
 from analysis.quantity import declare, result
+from analysis.sharing.run_error import MeasuredError
+from analysis.sharing.survey import Survey
 from analysis.trajectory import Floats, Integers
 from lammps_inputs import Problem, System, physics
 from lammps_inputs.facts import Fact
@@ -50,6 +52,12 @@ contacts yield, whose states of an instant before are unknown, a forward differe
 
 UNPASSED = "nothing has arrived, or the record ends inside the pulse"
 ACTED_ON = "a push or drive acts on the last tenth of the beads, or the foundation varies in time"
+
+
+VALUES = ("wall_force", "wall_force_chain", "delay", "transmitted_energy")
+
+UNCERTAIN = "its largest change by every second frame, and by the run (``run_error``)"
+UNKNOWN = "so is it, or every second frame does not show it"
 
 
 @result
@@ -81,6 +89,19 @@ class Transmitted:
         undefined=f"{UNPASSED}, {ACTED_ON}, or the work is not known",
         column="largest energy at the far end / energy input",
     )
+    wall_force_error: float = declare(f"uncertainty of ``wall_force``: {UNCERTAIN}", "force", UNKNOWN, default=math.nan)
+    wall_force_chain_error: float = declare(
+        f"uncertainty of ``wall_force_chain``: {UNCERTAIN}", "force", UNKNOWN, default=math.nan
+    )
+    delay_error: float = declare(f"uncertainty of ``delay``: {UNCERTAIN}", "time", UNKNOWN, default=math.nan)
+    transmitted_energy_error: float = declare(
+        f"uncertainty of ``transmitted_energy``: {UNCERTAIN}, 2 e sqrt(M E) + M e^2 over the energy input with mass M "
+        "and energy E of these beads",
+        undefined=UNKNOWN,
+        default=math.nan,
+    )
+    supplied: float = math.nan
+    """Energy input until that share is largest at a frame, in units of m V**2."""
 
 
 class _FarFrames(NamedTuple):
@@ -102,6 +123,30 @@ class _FarFrames(NamedTuple):
     force: Floats | None
     contact: ContactFrames | None
 
+    @classmethod
+    def joined(cls, parts: "list[_FarFrames]") -> "_FarFrames":
+        """Frames one after the other."""
+        time, energy, rate, supplied = (np.concatenate(values) for values in list(zip(*parts, strict=True))[:4])
+        forces = [part.force for part in parts if part.force is not None]
+        contacts = [part.contact for part in parts if part.contact is not None]
+        force, contact = (np.concatenate(forces), ContactFrames.joined(contacts)) if forces else (None, None)
+        return cls(time, energy, rate, supplied, force, contact)
+
+    def every_second(self, first: int) -> "_FarFrames":
+        """Every second frame from a position on."""
+        chosen = slice(first, None, 2)
+        time, energy, rate, supplied = (values[chosen] for values in self[:4])
+        force = contact = None
+        if self.force is not None and self.contact is not None:
+            force, contact = self.force[chosen], self.contact.near(chosen, np.arange(self.force.shape[1]))
+        return _FarFrames(time, energy, rate, supplied, force, contact)
+
+
+def last_tenth(problem: Problem) -> slice:
+    """Positions of the last tenth of the beads in the direction of the largest excitation."""
+    rows = max(1, problem.beads // PART)
+    return slice(problem.beads - rows, problem.beads) if problem.direction > 0 else slice(0, rows)
+
 
 @dataclass(frozen=True)
 class FarEndMeter(Meter[_FarFrames, Transmitted]):
@@ -116,8 +161,7 @@ class FarEndMeter(Meter[_FarFrames, Transmitted]):
     @cached_property
     def _rows(self) -> slice:
         """Positions of the last tenth of the beads."""
-        rows = max(1, self.problem.beads // PART)
-        return slice(self.problem.beads - rows, self.problem.beads) if self.problem.direction > 0 else slice(0, rows)
+        return last_tenth(self.problem)
 
     @cached_property
     def _wall(self) -> Gauge | None:
@@ -155,25 +199,34 @@ class FarEndMeter(Meter[_FarFrames, Transmitted]):
         return np.asarray(motion.bead_energy(system, x, v, self._rows.start + 1).sum(axis=(1, 2)))
 
     def result(self, pieces: list[_FarFrames]) -> Transmitted:
-        """Transmitted quantities of all frames."""
-        time, energy, rate, supplied = (np.concatenate(values) for values in list(zip(*pieces, strict=True))[:4])
+        """Transmitted quantities of all frames, with what every second frame changes in them."""
+        frames = _FarFrames.joined(pieces)
+        values, *halves = (self._of(some) for some in (frames, frames.every_second(0), frames.every_second(1)))
+        errors = np.max(np.abs(np.array(halves) - values), axis=0)
+        supplied = float(frames.supplied[np.argmax(_share(frames.energy, frames.supplied))])
+        of_values = {f"{name}_error": float(error) for name, error in zip(VALUES, errors, strict=True)}
+        return Transmitted(*values, **of_values, supplied=supplied)
+
+    def _of(self, frames: _FarFrames) -> tuple[float, float, float, float]:
+        """Largest force on the far wall and of a chain, delay, and transmitted energy, as in `Transmitted`."""
+        time, energy, rate, supplied, force, contact = frames
         delay = transmitted = math.nan
+        if len(time) == 0:
+            return math.nan, math.nan, math.nan, math.nan
         if not self._acted_on:
-            share = np.divide(energy, supplied, out=0.0 * supplied, where=supplied > 0.0)
+            share = _share(energy, supplied)
             if _passed(time, energy):
                 delay = _reached(time, energy, rate, 0.5 * _largest(time, energy, rate, np.ones_like(time)))
             if _passed(time, share):
                 transmitted = _largest(time, energy, rate, supplied)
-        if self._wall is None:
-            return Transmitted(math.nan, math.nan, delay, transmitted)
-        force = np.concatenate([piece.force for piece in pieces if piece.force is not None])
-        contact = ContactFrames.joined([piece.contact for piece in pieces if piece.contact is not None])
+        if self._wall is None or force is None or contact is None:
+            return math.nan, math.nan, delay, transmitted
         series, chains = (time, force, contact), np.arange(self.problem.chains)
         delay, wall_force = _arrived(series, chains, self._wall)
         of_single_chain = float(np.fmax.reduce([_arrived(series, chain, self._wall)[1] for chain in chains[:, None]]))
         if np.max(force) > of_single_chain:  # that of a chain in which the record ends inside the pulse
             of_single_chain = math.nan
-        return Transmitted(wall_force, of_single_chain, delay, transmitted)
+        return wall_force, of_single_chain, delay, transmitted
 
 
 def _arrived(series: tuple[Floats, Floats, ContactFrames], chains: Integers, wall: Gauge) -> tuple[float, float]:
@@ -203,6 +256,11 @@ def _arrived(series: tuple[Floats, Floats, ContactFrames], chains: Integers, wal
     return float(time[k - 1 + best] + at[best] * spacing), float(largest[best])
 
 
+def _share(energy: Floats, total: Floats) -> Floats:
+    """Energy over a total, [frame]; 0 where that is not positive."""
+    return np.divide(energy, total, out=0.0 * total, where=total > 0.0)
+
+
 def _passed(time: Floats, energy: Floats) -> bool:
     """Whether an energy has arrived, and has been largest before the end of the record.
 
@@ -226,7 +284,7 @@ def _largest(time: Floats, energy: Floats, rate: Floats, total: Floats) -> float
 
     Through the energies and their rates at three frames; through the totals, which change slowly, at five.
     """
-    share = np.divide(energy, total, out=0.0 * total, where=total > 0.0)
+    share = _share(energy, total)
     k = int(np.argmax(share))
     if not 0 < k < len(time) - 1:
         return float(share[k])
@@ -273,3 +331,25 @@ class FarEndMeasurement(Measurement):
         """The far end of runs of all beads, if these are elastic."""
         problem = run.problem
         return FarEndMeter(problem) if problem.rows.complete and problem.system.holds(Fact.OVERLAPS) else None
+
+    @classmethod
+    def of_run(cls, run: Recorded, survey: Survey, measured: Transmitted | None) -> Self | None:
+        """The far end, with uncertainties that cover the error of the run."""
+        del survey
+        if measured is None:
+            return None
+        return cls(run.problem, with_error(measured, run.error, run.problem))
+
+
+def with_error(transmitted: Transmitted, error: MeasuredError, problem: Problem) -> Transmitted:
+    """What has arrived, with uncertainties that cover the error of the run (`analysis.sharing.run_error`)."""
+    if not error.measured:
+        return transmitted
+    mass, supplied = np.broadcast_to(problem.system.mass, (problem.chains, problem.beads)), transmitted.supplied
+    energy, force = np.array(transmitted.transmitted_energy * supplied), error.of_force(problem)
+    share = float(error.of_energy(energy, float(np.sum(mass[:, last_tenth(problem)])))) / supplied
+    added = (problem.chains * force, force, error.arrival, share)
+    changed = {
+        f"{name}_error": getattr(transmitted, f"{name}_error") + more for name, more in zip(VALUES, added, strict=True)
+    }
+    return replace(transmitted, **changed)

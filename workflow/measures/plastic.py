@@ -24,7 +24,7 @@ from analysis.meters import Meter, Part
 from analysis.quantity import declare, result
 from analysis.sharing.survey import Survey
 from analysis.trajectory import Flags, Floats, Integers, Trajectory
-from lammps_inputs import laws, physics
+from lammps_inputs import Problem, laws, physics
 from lammps_inputs.units import Label
 from workflow.measures.measurement import Measurement, Recorded
 
@@ -51,6 +51,11 @@ class Yielded:
         undefined=f"fewer than {LEAST_CONTACTS} of these",
         column="decay exponent of the largest contact forces",
     )
+    decay_error: float | None = declare(
+        "standard error of ``decay``, and what the error of forces by the run (``run_error``) changes",
+        undefined="so is ``decay``",
+        default=None,
+    )
 
 
 @result
@@ -66,6 +71,11 @@ class YieldTable:
         "whether it has begun to open, 0 or 1; of one that has not the record ends before its largest overlap"
     )
     dissipated: Floats = declare("energy dissipated by yielding", "energy")
+
+    def decay(self, problem: Problem, force_error: float = 0.0) -> "PowerLaw | None":
+        """Law of the largest forces in the kicked chain; see `power_law`."""
+        kicked = self.chain == physics.largest_excitation(problem.system)[0]
+        return power_law(self.force[kicked], self.opened[kicked] == 1, force_error)
 
 
 class YieldMeter(Meter[Trajectory | None, tuple[Yielded, YieldTable] | None]):
@@ -98,15 +108,15 @@ class YieldMeter(Meter[Trajectory | None, tuple[Yielded, YieldTable] | None]):
             opened=opened.ravel().astype(np.int64),
             dissipated=dissipated.ravel(),
         )
-        kicked = physics.largest_excitation(system)[0] - 1
         acted_on = physics.acted_on(system)
-        decay = power_law(force[kicked], opened[kicked])
+        decay = table.decay(last.problem)
         return (
             Yielded(
                 contacts=int(np.count_nonzero(permanent > 0.0)),
                 permanent=float(np.max(permanent)),
                 dissipated=float("nan") if acted_on else float(np.sum(dissipated)) / physics.energy(system),
                 decay=float("nan") if decay is None else decay.exponent,
+                decay_error=None if decay is None else decay.exponent_error,
             ),
             table,
         )
@@ -120,26 +130,32 @@ class PowerLaw:
         contact: [contact] numbers of the fitted contacts, the second half of those that have begun to open.
         factor: dimensionless force of contact 1.
         exponent: slope of the logarithms.
+        exponent_error: its standard error, and what errors of the forces change.
     """
 
     contact: Floats
     factor: float
     exponent: float
+    exponent_error: float
 
 
-def power_law(force: Floats, opened: Flags) -> PowerLaw | None:
+def power_law(force: Floats, opened: Flags, force_error: float = 0.0) -> PowerLaw | None:
     """Law of the forces [contact] of one chain, by least squares of logarithms; None for too few contacts that opened.
 
     Args:
         force: [contact] largest force so far, dimensionless.
         opened: [contact] whether the contact has begun to open.
+        force_error: bound on the error of each force.
     """
     count = int(np.argmin(opened)) if not np.all(opened) else len(opened)
     if count < 2 * LEAST_CONTACTS:
         return None
     contact = np.arange(count // 2, count, dtype=np.float64) + 1.0
-    exponent, logarithm = np.polyfit(np.log(contact), np.log(force[count // 2 : count]), 1)
-    return PowerLaw(np.asarray(contact), math.exp(logarithm), float(exponent))
+    place, force = np.log(contact), force[count // 2 : count]
+    (exponent, logarithm), covariance = np.polyfit(place, np.log(force), 1, cov=True)
+    offset = place - np.mean(place)
+    error = math.sqrt(covariance[0, 0]) + float(np.sum(np.abs(offset) * force_error / force) / np.sum(offset**2))
+    return PowerLaw(np.asarray(contact), math.exp(logarithm), float(exponent), error)
 
 
 LEAST_DRAWN = 1e-4
@@ -169,7 +185,10 @@ class PlasticMeasurement(Measurement):
             f"{scale.written(yielded.permanent, 'length')}"
         )
         if math.isfinite(yielded.decay):
-            line += f"; the largest force falls as n^{yielded.decay:.3f} with the number n of the contact"
+            line += (
+                f"; the largest force falls as n^b with the number n of the contact, b = {yielded.decay:.3f} +- "
+                f"{yielded.decay_error:.1g}"
+            )
         yield line
 
     def rows(self) -> YieldTable:
@@ -197,9 +216,7 @@ class PlasticMeasurement(Measurement):
                 drawn = np.where(noticed, values[of_chain] * unit.worth, np.nan)
                 curves.append(Curve(f"chain {chain + 1}", table.contact[of_chain], drawn, place))
             shown.append(Panel(x, unit.axis(YieldTable, name, words, log=True), tuple(curves)))
-        kicked = table.chain == physics.largest_excitation(problem.system)[0]
-        law = power_law(table.force[kicked], table.opened[kicked] == 1)
-        if law is not None:
+        if (law := table.decay(problem)) is not None:
             fitted = law.factor * law.contact**law.exponent * shown[0].y.worth
             look = {"color": "black", "linestyle": (0, (1, 1)), "linewidth": 2.0}
             line = Curve(rf"$\propto n^{{{law.exponent:.3f}}}$", law.contact, fitted, look=look)
@@ -215,4 +232,9 @@ class PlasticMeasurement(Measurement):
     def of_run(cls, run: Recorded, survey: Survey, measured: tuple[Yielded, YieldTable] | None) -> Self | None:
         """What the contacts keep; None if no frame has states of contacts."""
         del survey
-        return None if measured is None else cls(run.problem, *measured)
+        if measured is None:
+            return None
+        yielded, table = measured
+        if (decay := table.decay(run.problem, run.error.of_force(run.problem))) is not None:
+            yielded = replace(yielded, decay_error=decay.exponent_error)
+        return cls(run.problem, yielded, table)

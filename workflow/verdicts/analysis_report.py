@@ -470,6 +470,18 @@ class Equipartition:
         columns=(QuantityColumn("synchronised_1", "bead from which arrivals agree to 1 %", "0.01"),),
         of=lambda shares: shares._each(shares._shared.in_step_from),
     )
+    mismatch: Estimate | None = computed(
+        "(largest - smallest) / mean of the chains' amplitudes at the last compared bead; its uncertainty is what those"
+        " of the amplitudes change",
+        undefined=f"a single chain; {UNRESOLVED}",
+        of=lambda shares: shares._at_last[0],
+    )
+    spread: Estimate | None = computed(
+        "time between the first and the last chain's arrival at the last compared bead over the passage time; its "
+        "uncertainty is what those of arrivals and amplitudes change",
+        undefined=f"a single chain; an arrival is undefined; {UNRESOLVED}",
+        of=lambda shares: shares._at_last[1],
+    )
     final: Final | None = computed(
         "asymptotic amplitude of the leading waves: mean over chains and the last half beat",
         "V",
@@ -511,6 +523,11 @@ class Equipartition:
     def _shared(self) -> Sharing:
         """Waves of the pulse that leads at the last bead, side by side."""
         return self.survey.shared.followed
+
+    @cached_property
+    def _at_last(self) -> tuple[Estimate | None, Estimate | None]:
+        """Mismatch and spread at the last compared bead."""
+        return (self._shared.at_last() if self._resolved else None) or (None, None)
 
     @cached_property
     def _pulse(self) -> bool:

@@ -339,7 +339,7 @@ def _compared(
     first: list[tuple[Trajectory, Trajectory]] = []
     bytes_held = 0
     for pair in pairs:
-        pieces.append(meter.of_parts(*pair, pieces))
+        pieces.append(meter.of_parts(*pair))
         if bytes_held < _DIAGNOSED_BYTES:
             frames, reference_frames = (part.frames for part in pair)
             first.append((frames, reference_frames))

@@ -126,7 +126,7 @@ def compare_runs(runs: Runs, tolerances: dict[str, float] | None = None) -> tupl
     pieces: list[Any] = []
     of_chains: list[Any] = []
     for pair in paired_parts(fingerprints.taken(frames.pairs(runs, counted), all_rows=frames.same_width)):
-        pieces.append(meter.of_parts(*pair, pieces))
+        pieces.append(meter.of_parts(*pair))
         if models_differ:
             of_chains.append(chain_meter.of_parts(*pair))
     difference = meter.result(pieces)

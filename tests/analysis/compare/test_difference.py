@@ -54,15 +54,6 @@ def test_what_is_found_does_not_depend_on_where_blocks_begin(run):
     assert whole == parts
 
 
-def test_beads_that_earlier_parts_have_passed_need_not_be_searched_again(run):
-    other, meter = engine.run(run.problem, scheme=VERLET, steps_per_frame=2), DifferenceMeter(LIMITS)
-    pairs = list(paired_parts((other[start : start + 50], run[start : start + 50]) for start in range(0, 301, 50)))
-    searched = [meter.of_parts(*pair) for pair in pairs]
-    assert meter.result(searched).deviations == meter.read(pairs).deviations
-    again = meter.of_parts(*pairs[-2], searched[:-2])
-    assert len(again.peaks) < len(searched[-2].peaks)
-
-
 @pytest.mark.slow
 @given(st.integers(0, 300), st.integers(1, 2), st.integers(1, 40), st.floats(2e-3, 1e3), st.sampled_from([-1.0, 1.0]))
 def test_one_wrong_number_is_found_where_it_is(run, frame, chain, bead, size, sign):

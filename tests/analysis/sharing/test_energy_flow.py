@@ -60,7 +60,7 @@ def test_the_least_and_most_that_a_chain_has_are_told_with_their_times():
     assert flow.extremes(1) == ((pytest.approx(0.3), 1.0), (0.8, 2.0))
 
 
-def test_shares_and_centres_are_off_by_no_more_than_errors_of_velocities_make_them():
+def test_shares_centres_and_spreads_are_off_by_no_more_than_errors_of_velocities_make_them():
     """Velocities of 200 states, each off by the largest error either way."""
     chance, error, what = np.random.default_rng(1), 1e-3, problem()
     for _ in range(200):
@@ -72,4 +72,5 @@ def test_shares_and_centres_are_off_by_no_more_than_errors_of_velocities_make_th
         stated = flow_with_error(exact, MeasuredError(error, measured=True), what)
         assert np.all(np.abs(moved.share - exact.share) <= stated.share_error[:, np.newaxis])
         assert np.all(np.abs(moved.centre - exact.centre) <= stated.centre_error)
+        assert np.all(np.abs(moved.spread - exact.spread) <= stated.spread_error)
     assert flow_with_error(exact, UNMEASURED, what).share_error is None

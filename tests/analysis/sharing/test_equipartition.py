@@ -424,3 +424,16 @@ def test_a_crossing_of_a_fitted_line_moves_by_at_most_its_error_and_by_as_much_i
     assert abs(crossing(drawn) - exact) <= 1.1 * bound  # slopes change by 3 % at most
     each = [abs(crossing(unit) - exact) for unit in np.eye(count)]
     assert sum(each) == pytest.approx(bound, rel=0.05)
+
+
+def test_mismatch_and_spread_are_off_by_no_more_than_errors_of_amplitudes_and_arrivals_make_them():
+    chance, bead = np.random.default_rng(4), np.array([6, 7])
+    for _ in range(100):
+        arrival, amplitude = 10.0 + chance.uniform(0.0, 1.0, (2, 3)), chance.uniform(0.2, 0.8, (2, 3))
+        errors = np.full((2, 3), 1e-3), np.full((2, 3), 1e-4)
+        late, off = (size * chance.choice([-1.0, 1.0], size=(2, 3)) for size in errors)
+        exact = Sharing(0, bead, arrival, amplitude, 0.5, *errors).at_last()
+        moved = Sharing(0, bead, arrival + late, amplitude + off, 0.5).at_last()
+        for estimate, other in zip(exact, moved, strict=True):
+            assert abs(other.value - estimate.value) <= 1.001 * estimate.uncertainty  # to first order
+    assert Sharing(0, bead, arrival[:, :1], amplitude[:, :1], 0.5).at_last() is None

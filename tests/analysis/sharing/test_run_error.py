@@ -88,6 +88,8 @@ def test_the_decay_of_a_pulse_has_the_error_of_the_run_in_its_uncertainty():
     # far ahead of the fitted beads, n* moves by at least what a common error of all amplitudes makes of it
     moved = 0.4 * ERROR.amplitude / of_frames.decay.v0 * of_frames.decay.n_star
     assert total.decay.n_star_error - of_frames.decay.n_star_error > moved
+    assert total.decay.v0 == of_frames.decay.v0
+    assert total.decay.v0_error - of_frames.decay.v0_error > ERROR.amplitude
 
 
 def test_numbers_that_follow_from_passages_have_the_error_of_the_run(of_frames):
@@ -106,3 +108,13 @@ def test_numbers_that_follow_from_passages_have_the_error_of_the_run(of_frames):
     for before, after in zip(of_frames.characters, total.characters, strict=True):
         for name in ("speed_error", "width_error", "residual_error", "speed_excess_error", "variation_error"):
             assert getattr(after, name) > getattr(before, name) or np.isnan(getattr(before, name))
+
+
+def test_energies_are_off_by_no_more_than_errors_of_velocities_make_them():
+    """Bodies of masses m with springs that hold as much energy: each velocity, and each spring's, off either way."""
+    chance = np.random.default_rng(2)
+    for size in (1e-3, 0.1, 2.0) * 30:
+        mass, v, u = chance.uniform(0.1, 3.0, 6), chance.normal(size=6), chance.normal(size=6)
+        off = size * chance.choice([-1.0, 1.0], size=(2, 6))
+        exact, moved = (0.5 * np.sum(mass * (a**2 + b**2)) for a, b in ((v, u), (v + off[0], u + off[1])))
+        assert abs(moved - exact) <= MeasuredError(size, measured=True).of_energy(moved, np.sum(mass)) * (1.0 + 1e-12)

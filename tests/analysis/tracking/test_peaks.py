@@ -56,6 +56,17 @@ def test_maxima_are_the_same_bit_for_bit_wherever_the_blocks_are_cut(fine, place
         assert np.array_equal(getattr(found[0], field.name), getattr(found[1], field.name), equal_nan=True), field.name
 
 
+@pytest.mark.parametrize("direction", [1, -1])
+@pytest.mark.parametrize("stride", [20, 100, 200])
+def test_first_maxima_alone_are_the_first_of_all_however_far_apart_frames_are(fine, stride, direction):
+    run = thinned(fine, stride)
+    alone = PeakMeter(first_only=True, direction=direction).read([run])
+    first = find_peaks([run], direction=direction).first()
+    assert len(first) > 10
+    for field in fields(Peaks):
+        assert np.array_equal(getattr(alone, field.name), getattr(first, field.name), equal_nan=True), field.name
+
+
 def test_maxima_do_not_depend_on_how_times_were_rounded(fine):
     run = thinned(fine, 20)
     shaken = replace(run, time=run.time * (1.0 + 2.0**-52))

@@ -23,6 +23,7 @@ from lammps_inputs.laws.plastic import LargestOverlap, Thornton, WaltonBraun, re
 from lammps_inputs.library import render_scene
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
+from workflow.measures.plastic import power_law
 from workflow.runs.run import run
 from workflow.verdicts.analysis_files import analyse
 from workflow.verdicts.validate import validate
@@ -362,3 +363,13 @@ def test_forces_on_a_wall_are_the_same_from_frames_of_the_last_bead_alone():
     wall = gauges(problem.system, wall=True)
     np.testing.assert_array_equal(at_frames(part, wall), at_frames(whole, wall))
     assert np.max(at_frames(whole, wall)) == pytest.approx(0.2937, abs=1e-3)
+
+
+def test_the_exponent_of_the_largest_forces_is_off_by_no_more_than_errors_of_forces_make_it():
+    contact, chance, size = np.arange(1.0, 41.0), np.random.default_rng(3), 1e-3
+    force, opened = contact**-0.4, np.ones(40, dtype=bool)
+    exact, stated = power_law(force, opened), power_law(force, opened, size)
+    assert exact.exponent_error < 1e-12
+    for _ in range(100):
+        moved = power_law(force + size * chance.choice([-1.0, 1.0], size=40), opened)
+        assert abs(moved.exponent - exact.exponent) <= 1.02 * stated.exponent_error  # to first order

@@ -1,6 +1,7 @@
 """Where the leading pulse of a loaded chain is measured, either way, and how fast it is by theory."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from synthetic_waves import of_keys
 from analysis import motion
 from analysis.shape.unit_cell import cell_of
 from workflow.engines.reference import engine
-from workflow.plugins.sound.loaded_pulse import LoadedPulseMeter
+from workflow.plugins.sound.loaded_pulse import LoadedPulseMeter, with_errors
 
 KINDS = {"heavy": {"mass": 1.0}, "light": {"mass": 0.3}}
 
@@ -42,6 +43,21 @@ def test_in_the_mirror_it_is_the_same(bead):
     assert (other.first, other.last) == (40 - one.first, 40 - one.last)
     for name in ("force_ratio", "speed", "sound", "theory"):
         assert getattr(other, name) == pytest.approx(getattr(one, name), rel=1e-9)
+
+
+@pytest.mark.parametrize("stride", [5, 10])
+def test_force_and_speed_are_off_by_no_more_than_their_uncertainties(stride):
+    """Frames 0.25 or 0.5 T apart against those 0.05 T apart; errors of a run are added."""
+    exact, run = found(1, 1.0)
+    problem = run.problem.coarser(stride)
+    wave = LoadedPulseMeter(problem).read([replace(run[::stride], problem=problem)])
+    total = with_errors(wave, problem, 0.1, 0.02)
+    for name in ("force_ratio", "speed", "theory", "over_sound", "over_theory"):
+        uncertainty = getattr(wave, f"{name}_error")
+        assert abs(getattr(wave, name) - getattr(exact, name)) < uncertainty < 0.05 * getattr(wave, name)
+        assert getattr(total, f"{name}_error") > uncertainty
+    assert total.force_ratio_error == pytest.approx(0.1 + wave.force_ratio_error)
+    assert total.over_sound_error == pytest.approx((0.02 + wave.speed_error) / wave.sound)
 
 
 @pytest.mark.slow

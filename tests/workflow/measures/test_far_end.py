@@ -10,8 +10,9 @@ from synthetic_waves import of_keys
 
 from analysis import motion
 from analysis.gauges.gauge import at_frames, far_wall
+from analysis.sharing.run_error import MeasuredError
 from workflow.engines.reference import engine
-from workflow.measures.far_end import FarEndMeter
+from workflow.measures.far_end import VALUES, FarEndMeter, with_error
 
 
 def far_end(run):
@@ -59,7 +60,7 @@ def test_a_record_that_ends_before_or_inside_the_pulse_has_no_largest_value_of_i
     run = engine.run(small)
 
     def of(frames):
-        return vars(far_end(run[:frames]))
+        return {name: getattr(far_end(run[:frames]), name) for name in VALUES}
 
     final = of(run.frames)
     names = {"delay", "transmitted_energy"} | ({"wall_force", "wall_force_chain"} if wall else set())
@@ -73,7 +74,23 @@ def test_a_record_that_ends_before_or_inside_the_pulse_has_no_largest_value_of_i
 
 def test_what_is_at_the_far_end_from_the_start_has_not_arrived_there():
     found = far_end(engine.run(problem(beads=20, chains=1, kicks=((1, 19, 1.0),))))
-    assert all(math.isnan(value) for value in vars(found).values())
+    assert all(math.isnan(getattr(found, name)) and math.isnan(getattr(found, f"{name}_error")) for name in VALUES)
+
+
+@pytest.mark.parametrize("stride", [5, 10])
+@pytest.mark.parametrize("wall", [{}, {"walls": {"right": "bead"}}], ids=["free end", "wall"])
+def test_what_has_arrived_is_off_by_no_more_than_its_uncertainty_which_covers_the_run(wall, stride):
+    """Frames 0.25 or 0.5 T apart against those 0.05 T apart."""
+    plain = {"chains": 2, "beads": 20, "coupling": {"stiffness": 0.2}, "kick": {"velocity": 1.0}, "duration": 45.0}
+    run = engine.run(of_keys(**plain, **wall, output={"every": 0.05}))
+    exact, found = far_end(run), far_end(replace(run[::stride], problem=run.problem.coarser(stride)))
+    error = MeasuredError(velocity=1e-4, amplitude=1e-5, arrival=1e-3, measured=True)
+    total = with_error(found, error, run.problem)
+    for name in VALUES if wall else VALUES[2:]:
+        uncertainty = getattr(found, f"{name}_error")
+        assert abs(getattr(found, name) - getattr(exact, name)) <= uncertainty < 0.1 * getattr(found, name)
+        assert getattr(total, f"{name}_error") > uncertainty
+    assert total.delay_error == pytest.approx(found.delay_error + 1e-3)
 
 
 def test_the_force_of_a_wall_that_is_only_relieved_is_undefined():

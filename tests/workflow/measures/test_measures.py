@@ -109,11 +109,12 @@ def test_each_gauge_and_chain_has_its_column_in_forces_csv(problem, static):
 
 
 def test_what_comes_through_is_in_the_scenes_units_and_energy_a_share(problem):
-    found = Transmitted(wall_force=2.0, wall_force_chain=1.5, delay=30.0, transmitted_energy=0.25)
+    found = Transmitted(2.0, 1.5, 30.0, 0.25, 0.02, 0.01, 0.03, 0.04)
     force, time = problem.scale.force, problem.scale.time
-    assert FarEndMeasurement(problem, found).plain() == pytest.approx(
-        {"wall_force": 2.0 * force, "wall_force_chain": 1.5 * force, "delay": 30.0 * time, "transmitted_energy": 0.25}
-    )
+    values = {"wall_force": 2.0 * force, "wall_force_chain": 1.5 * force, "delay": 30.0 * time}
+    errors = {"wall_force_error": 0.02 * force, "wall_force_chain_error": 0.01 * force, "delay_error": 0.03 * time}
+    shares = {"transmitted_energy": 0.25, "transmitted_energy_error": 0.04}
+    assert FarEndMeasurement(problem, found).plain() == pytest.approx({**values, **errors, **shares})
 
 
 @pytest.fixture(params=[False, True], ids=["reduced", "SI"])

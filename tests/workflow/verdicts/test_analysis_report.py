@@ -54,10 +54,12 @@ def summary(waves, problem, chain, succession=()):
 
 
 def test_how_chains_share_the_pulse_is_told_key_by_key():
-    decay = DecayFit(v0=0.6, n_star=300.0, n_star_error=2.0, n_star_expected=270.9, first=10, last=90, deviation=0.01)
+    fitted = {"v0": 0.6, "n_star": 300.0, "v0_error": 0.01, "n_star_error": 2.0, "n_star_expected": 270.9}
+    law = {"first": 10, "last": 90, **fitted, "deviation": 0.01}
     found = SimpleNamespace(
         shared=Shared(
             final=Final(0.34, 0.01),
+            at_last=lambda: (Estimate(0.2, 0.02), Estimate(0.1, 0.03)),
             regular_beat=Estimate(12.0, 0.5),
             agrees_from=lambda tolerance: round(1.0 / tolerance),
             in_step_from=lambda tolerance: round(2.0 / tolerance),
@@ -67,7 +69,7 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
             bead=np.array([6, 7]),
             span=AmplitudeRange(6, 7, 0.33, 0.35),
         ),
-        decay=decay,
+        decay=DecayFit(**law),
         verdict=Verdict(EquipartitionState.BEATING, "they beat", expected=Estimate(62.0, 5.0)),
         energies=SimpleNamespace(
             wave=np.array([[0.5, 0.4], [0.5, 0.48]]),
@@ -82,6 +84,8 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
     assert told["expected"] == {"value": 62.0, "uncertainty": 5.0}
     assert told["amplitudes"] == {"0.1": 10, "0.01": 100, "0.001": 1000}
     assert told["arrivals"] == {"0.1": 20, "0.01": 200, "0.001": 2000}
+    assert told["mismatch"] == {"value": 0.2, "uncertainty": 0.02}
+    assert told["spread"] == {"value": 0.1, "uncertainty": 0.03}
     assert told["final"] == pytest.approx({"value": 0.34, "uncertainty": 0.01, "reduction": 0.66})
     assert told["range"] == {"first": 6, "last": 7, "least": 0.33, "largest": 0.35}
     assert told["energy_share"].pop("chains") == [0.52, 0.48]
@@ -89,8 +93,7 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
     of_exact = 0.5 * (1.01**2 - 1.0) + 0.47 * (1.02**2 - 1.0)
     shares = {"exact": 0.97, "exact_error": of_exact, "measured": 0.98, "measured_error": 5e-3}
     assert told["energy_share"] == pytest.approx(shares)
-    law = {"v0": 0.6, "n_star": 300.0, "n_star_error": 2.0, "n_star_expected": 270.9, "first": 10, "last": 90}
-    assert told["decay_law"] == {**law, "deviation": 0.01}
+    assert told["decay_law"] == law
 
 
 @pytest.mark.parametrize("si", [False, True])

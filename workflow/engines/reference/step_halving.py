@@ -83,10 +83,7 @@ class StepHalving:
             raise RunError(_not_finite(fine.frames, coarse.frames))
         if self._velocity_only:
             return (difference,)
-        peaks = (
-            self._leading.of_part(part, earlier=[piece[2 + run] for piece in self._pieces])
-            for run, part in enumerate((fine, coarse))
-        )
+        peaks = (self._leading.of_part(part) for part in (fine, coarse))
         return difference, self._conserved.of_part(fine), *peaks
 
     def run(self) -> Uncertainty:

@@ -11,7 +11,6 @@ from analysis.quantity import declare, result
 from analysis.sharing.run_error import MeasuredError
 from analysis.trajectory import Flags, Floats, Integers
 from lammps_inputs import Problem
-from lammps_inputs.limits import rates
 from workflow.measures.forces.reflection import Reflection
 
 ENDS = 5.0
@@ -175,7 +174,7 @@ class Readings:
         if not error.measured:
             return self
         mass = float(np.max(problem.system.mass))
-        force = 0.5 * mass * rates.fastest(problem.system) * error.velocity
+        force = error.of_force(problem)
         size = np.abs(self.largest - self.static)
         late = np.maximum(error.arrival, np.divide(mass * error.velocity, size, out=0.0 * size, where=size > 0.0))
         return replace(

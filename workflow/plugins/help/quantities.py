@@ -105,8 +105,9 @@ The error of the run, in units of m, V and T, with the error e of all velocities
 - forces: e m omega / 2, with the largest mass m and angular frequency omega; impulses: 2 m e each time that a contact
   closes; the time of the largest force F: that of arrivals or m e / F; dwells: five times as much.
 
-Results of fits and of scatter (`decay_law.n_star_error`, `beat_length.uncertainty`, `expected.uncertainty`) have the
-bound on what errors of amplitudes change in them beside the standard deviation.
+Results of fits and of scatter (`decay_law.n_star_error`, `decay_law.v0_error`, `plastic.decay_error`,
+`beat_length.uncertainty`, `expected.uncertainty`) have the bound on what errors of amplitudes or forces change in them
+beside the standard deviation.
 """
 
 HEAD = """

@@ -1,6 +1,7 @@
 """The leading pulse on top of a static load: its speed, and the contact force in it over that at rest."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -35,6 +36,9 @@ SMALLEST = 1e-3
 """Velocity, in units of V, of a pulse whose overlap counts."""
 
 
+UNCERTAIN = "by the time between frames, the change by polynomials without second derivatives, and by the run"
+
+
 @quantity.result
 class LoadedWave:
     """The leading pulse of the kicked chain, where it was last clear of the ends."""
@@ -51,6 +55,23 @@ class LoadedWave:
         "speed of the long-wave theory's solitary wave of this force ratio over that of sound (Nesterenko)",
         undefined="beads differ",
     )
+    force_ratio_error: float = quantity.declare(f"uncertainty of ``force_ratio``: {UNCERTAIN}", default=math.nan)
+    speed_error: float = quantity.declare(f"uncertainty of ``speed``: {UNCERTAIN}", "speed", default=math.nan)
+    theory_error: float = quantity.declare(
+        "uncertainty of ``theory`` by that of ``force_ratio``", undefined="beads differ", default=math.nan
+    )
+
+    @property
+    @quantity.derived()
+    def over_sound_error(self) -> float:
+        """Uncertainty of ``over_sound``, relative to it as that of ``speed``."""
+        return self.speed_error / self.sound
+
+    @property
+    @quantity.derived(undefined="beads differ")
+    def over_theory_error(self) -> float:
+        """Uncertainty of ``over_theory``: the sum of those of ``speed`` and ``theory``, relative to them."""
+        return self.over_theory * (self.speed_error / self.speed + self.theory_error / self.theory)
 
     @property
     @quantity.derived(symbol="c / c_0")
@@ -131,12 +152,15 @@ class Maxima(NamedTuple):
         chain, contact: positions, from 0.
         arrival: time of the maximum, in units of T.
         strain: the maximum above the overlap at rest, in units of L.
+        arrival_error, strain_error: changes of both by a polynomial through values and first derivatives alone.
     """
 
     chain: Integers
     contact: Integers
     arrival: Floats
     strain: Floats
+    arrival_error: Floats
+    strain_error: Floats
 
 
 @dataclass(frozen=True)
@@ -161,18 +185,25 @@ class LoadedPulseMeter(Meter[Maxima, LoadedWave | None]):
         _, earliest = np.unique(chain * strain.shape[2] + contact, return_index=True)  # first maximum of each contact
         frame, chain, contact = frame[earliest], chain[earliest], contact[earliest]
         if len(frame) == 0:
-            return Maxima(chain, contact, np.zeros(0), np.zeros(0))
+            return Maxima(chain, contact, *np.zeros((4, 0)))
         data = np.stack([motion.strain_and_rates(block, at, chain, contact) for at in (frame, frame + 1)])
-        polynomial = hermite.coefficients((0, 1), data, block.spacing)
-        at = hermite.falling_zero(hermite.derivative(polynomial), np.zeros(len(frame)), np.ones(len(frame)))
-        return Maxima(chain, contact, block.time[frame] + at * block.spacing, hermite.value(polynomial, at))
+
+        def maximum(derivatives: int) -> Floats:
+            """Time since the frame and largest strain, [time or strain, contact], by the first of the derivatives."""
+            polynomial = hermite.coefficients((0, 1), data[:, :derivatives], block.spacing)
+            at = hermite.falling_zero(hermite.derivative(polynomial), np.zeros(len(frame)), np.ones(len(frame)))
+            return np.array([at * block.spacing, hermite.value(polynomial, at)])
+
+        since, strain = maximum(3)
+        return Maxima(chain, contact, block.time[frame] + since, strain, *np.abs(maximum(2) - [since, strain]))
 
     def result(self, pieces: list[Maxima]) -> LoadedWave | None:
         """Leading pulse of the kicked chain; None where it did not come far enough."""
         problem = self.problem
-        arrival, largest = np.full((2, problem.chains, problem.beads - 1), np.nan)
+        arrival, largest, late, off = np.full((4, problem.chains, problem.beads - 1), np.nan)
         for chains, contacts, *maxima in reversed(pieces):  # the earliest stay
-            arrival[chains, contacts], largest[chains, contacts] = maxima
+            for table, values in zip((arrival, largest, late, off), maxima, strict=True):
+                table[chains, contacts] = values
         system = problem.system
         direction = problem.direction
         number, bead, _ = physics.largest_excitation(system)
@@ -196,9 +227,23 @@ class LoadedPulseMeter(Meter[Maxima, LoadedWave | None]):
         ratio = float(np.mean(force[chain, used] / load[chain, used]))
         taken = float(arrival[chain, last] - arrival[chain, first])
         sound = float(np.mean(long_waves.sound_speed(system)[chain, used]))
-        theory = (
-            float(long_waves.speed_over_sound(ratio, physics.exponent(system) or 1.5))
-            if physics.one_kind(system)
-            else np.nan
-        )
-        return LoadedWave(number, first + 1, last + 1, ratio, abs(last - first) / taken, sound, theory)
+        speed = abs(last - first) / taken
+        wave = LoadedWave(number, first + 1, last + 1, ratio, speed, sound, _theory(problem, ratio))
+        higher = motion.contact_force(system, overlap + np.nan_to_num(off))
+        of_ratio = float(np.mean((higher - force)[chain, used] / load[chain, used]))
+        return with_errors(wave, problem, of_ratio, speed * float(late[chain, first] + late[chain, last]) / taken)
+
+
+def _theory(problem: Problem, ratio: float) -> float:
+    """Speed of the theory's wave of a force ratio over that of sound; NaN where beads differ."""
+    if not physics.one_kind(problem.system):
+        return np.nan
+    return float(long_waves.speed_over_sound(ratio, physics.exponent(problem.system) or 1.5))
+
+
+def with_errors(wave: LoadedWave, problem: Problem, of_ratio: float, of_speed: float) -> LoadedWave:
+    """A wave with uncertainties of its force ratio and speed; more of them where it has some."""
+    of_ratio += float(np.nan_to_num(wave.force_ratio_error))
+    of_speed += float(np.nan_to_num(wave.speed_error))
+    of_theory = _theory(problem, wave.force_ratio + of_ratio) - wave.theory
+    return replace(wave, force_ratio_error=of_ratio, speed_error=of_speed, theory_error=abs(of_theory))

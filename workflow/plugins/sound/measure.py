@@ -11,7 +11,7 @@ from granchain import Scene
 from granchain.parts import Fact, Floats, Survey, long_waves, measurement, panels, physics, unit_cell
 from workflow.plugins.sound.dispersion import Bands, Branches, DispersionMeter, Map
 from workflow.plugins.sound.figure import dispersion_sheet
-from workflow.plugins.sound.loaded_pulse import LoadedPulseMeter, LoadedWave, Sound
+from workflow.plugins.sound.loaded_pulse import LoadedPulseMeter, LoadedWave, Sound, with_errors
 
 
 @dataclass(frozen=True, repr=False)
@@ -88,11 +88,13 @@ class SoundMeasurement(measurement.Measurement):
         yield line
         if wave is not None:
             line = (
-                f"the leading pulse runs at {wave.over_sound:.5f} c0 past beads {wave.first} to {wave.last}, with a "
-                f"largest force of {wave.force_ratio:.4g} times the static one"
+                f"the leading pulse runs at ({wave.over_sound:.5f} +- {wave.over_sound_error:.1g}) c0 past beads "
+                f"{wave.first} to {wave.last}, with a largest force of {wave.force_ratio:.4g} +- "
+                f"{wave.force_ratio_error:.1g} times the static one"
             )
             if math.isfinite(wave.theory):
-                line += f"; its speed is {wave.over_theory:.5f} of that of the long-wave theory (Nesterenko 2001)"
+                of_theory = f"{wave.over_theory:.5f} +- {wave.over_theory_error:.1g}"
+                line += f"; its speed is {of_theory} of that of the long-wave theory (Nesterenko 2001)"
             yield line
 
     @classmethod
@@ -107,6 +109,10 @@ class SoundMeasurement(measurement.Measurement):
         """Sound under a static load, and the leading pulse."""
         if not physics.loaded(run.problem.system):
             return None
+        if measured is not None and run.error.measured:
+            of_ratio = run.error.of_force(run.problem) / float(np.min(run.problem.system.along[0].law.load))
+            of_speed = 2.0 * run.error.arrival * measured.speed**2 / abs(measured.last - measured.first)
+            measured = with_errors(measured, run.problem, of_ratio, of_speed)
         length = bead_length(run.scene)
         return cls(run.problem, Sound.of(run.problem, measured, survey, length), length)
 
