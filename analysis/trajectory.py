@@ -162,6 +162,24 @@ class Trajectory:
             problem, time, displacement[:, :chains], velocity[:, :chains], first, exchange, contact_state, further
         )
 
+    @classmethod
+    def of_columns(cls, problem: Problem, time: Floats, columns: Floats) -> "Trajectory":
+        """Frames of columns as files hold them, of displacements, velocities, and `Problem.state_columns`.
+
+        Args:
+            problem: what was computed.
+            time: [frame] in units of T.
+            columns: [frame, column, chain, recorded bead].
+
+        Returns:
+            The frames.
+        """
+        states, behind = None, columns[:, 2:]
+        if behind.shape[1]:
+            walls = behind[:, 1, :, -1:] if behind.shape[1] > 1 else np.zeros_like(behind[:, 0, :, -1:])
+            states = np.concatenate([behind[:, 0], walls], axis=-1)
+        return cls(problem, time, columns[:, 0], columns[:, 1], contact_state=states)
+
     def blocks(self) -> Iterator["Trajectory"]:
         """Consecutive parts of bounded size, like those of a trajectory that is read from a file."""
         size = frames_per_block(self.problem)
@@ -252,14 +270,15 @@ class Trajectory:
         """Whether every frame determines the forces on its beads, with the states of contacts."""
         return self.problem.forces_known or (self.contact_state is not None and self.problem.rows.neighbours)
 
-    def states(self) -> Iterator[tuple[Floats, Floats, Floats | None]]:
-        """Displacements and velocities of all atoms [line, bead] in units of L and V, states of contacts, by frame.
+    def states(self) -> Iterator[tuple[Floats, ...]]:
+        """Columns of each frame as files hold them: displacements, velocities, and `Problem.state_columns`.
 
         Yields:
-            Displacement and velocity of a frame, and states [chain, bead + 1]; None where no force depends on one.
+            Displacements and velocities of all atoms, [line, bead] in units of L and V; each other [chain, bead].
         """
-        for frame, (x, v) in enumerate(zip(*self.atoms, strict=True)):
-            yield x, v, None if self.contact_state is None else self.contact_state[frame]
+        names, states = self.problem.state_columns, self.contact_state
+        columns = [] if states is None else [states[..., k : states.shape[-1] + k - 1] for k in range(len(names))]
+        yield from zip(*self.atoms, *columns, strict=True)
 
     def system_at(self, frames: slice | int | Integers, time: Floats | None = None) -> System:
         """The system at the times of some frames, or of one, or at other times, with the states of contacts of frames.
