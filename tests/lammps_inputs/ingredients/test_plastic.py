@@ -19,7 +19,7 @@ from analysis.gauges.gauge import at_frames, gauges
 from analysis.tracking.peaks import find_peaks
 from lammps_inputs import laws, library, materials, physics, references
 from lammps_inputs.decks import deck
-from lammps_inputs.laws.plastic import LargestOverlap, Thornton, WaltonBraun, restitution_of
+from lammps_inputs.laws.plastic import LargestOverlap, Thornton, WaltonBraun
 from lammps_inputs.library import render_scene
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
@@ -50,7 +50,7 @@ def separation(case, steps=8):
 def test_two_beads_have_the_published_restitution(velocity, restitution):
     found = separation(plastic(kick={"velocity": velocity}, duration=20.0 / velocity**0.2), 64)
     assert found == pytest.approx(restitution, abs=2e-7)
-    assert restitution_of(velocity, math.sqrt(1.6 * 0.1**2.5)) == pytest.approx(restitution, abs=6e-8)
+    assert Thornton.restitution_at(velocity, math.sqrt(1.6 * 0.1**2.5)) == pytest.approx(restitution, abs=6e-8)
 
 
 def test_restitution_over_four_decades_of_velocity_is_thornton_s_closed_form():
@@ -59,7 +59,7 @@ def test_restitution_over_four_decades_of_velocity_is_thornton_s_closed_form():
             kick={"velocity": float(velocity)}, timestep=None, output={}, duration=8.0 / float(velocity) ** 0.2
         )
         found = separation(case, 64)
-        assert found == pytest.approx(float(restitution_of(velocity, math.sqrt(1.6 * 0.1**2.5))), abs=1e-5)
+        assert found == pytest.approx(float(Thornton.restitution_at(velocity, math.sqrt(1.6 * 0.1**2.5))), abs=1e-5)
 
 
 def test_a_scene_of_walton_and_braun_s_law_is_read_as_it_is_written():
@@ -96,7 +96,7 @@ def test_peaks_between_frames_are_within_their_uncertainty_those_of_frames_twent
 
 
 def test_the_top_of_an_overlap_is_found_within_the_step_to_third_order():
-    exact, steps = float(restitution_of(1.0, math.sqrt(1.6 * 0.1**2.5))), np.array([2, 8, 32])
+    exact, steps = float(Thornton.restitution_at(1.0, math.sqrt(1.6 * 0.1**2.5))), np.array([2, 8, 32])
     error = [np.mean([abs(separation(plastic(gap=gap), int(n)) - exact) for gap in (0.0, 0.013, 0.037)]) for n in steps]
     assert -np.polyfit(np.log(steps), np.log(error), 1)[0] > 2.4  # contacts that open allow no more than 2.5
 
