@@ -310,16 +310,16 @@ class Trajectory:
             return law
         return laws.at_state(law, self.contact_state[frame, chain, place + physics.first_state(link)])
 
-    def state_of_contact(self, place: int) -> Floats | None:
-        """State of one contact of each chain, [frame, chain] in the law's unit; None where no force depends on one.
+    def states_of_contacts(self, places: int | Integers) -> Floats | None:
+        """States of some contacts of each chain, dimensionless; None where no force depends on one.
 
         Args:
-            place: position of the contact in `contact_state`, from 0.
+            places: position of one contact in `contact_state`, from 0, or [place] positions.
 
         Returns:
-            The states, or None.
+            The states, [frame, chain] of one contact or [frame, chain, place], or None.
         """
-        return None if self.contact_state is None else self.contact_state[:, :, place]
+        return None if self.contact_state is None else self.contact_state[:, :, places]
 
     def with_motion(self, time: Floats, displacement: Floats, velocity: Floats) -> "Trajectory":
         """Frames of the same beads at other times, in the states of contacts of these.

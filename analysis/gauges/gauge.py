@@ -184,7 +184,7 @@ def at_frames(block: Trajectory, gauges: tuple[Gauge, ...], *, dashpots: bool = 
         for probe in gauge.probes:
             strain, rate = _strain_and_rate(block, probe)
             chain = np.broadcast_to(np.arange(block.problem.chains), strain.shape)
-            reading = probe.force(strain, chain, block.state_of_contact(probe.place))
+            reading = probe.force(strain, chain, block.states_of_contacts(probe.place))
             if dashpots and probe.loss is not None:
                 reading = reading + probe.loss(strain, rate, chain)
             force[..., place] += reading / len(gauge.probes)
@@ -205,7 +205,7 @@ class ContactFrames(NamedTuple):
         derivatives = _strain_and_rate(block, probe)
         if block.forces_known:
             derivatives.append(_acceleration(block, probe.behind) - _acceleration(block, probe.ahead))
-        return cls(np.array(derivatives), block.state_of_contact(probe.place))
+        return cls(np.array(derivatives), block.states_of_contacts(probe.place))
 
     @classmethod
     def joined(cls, parts: Sequence["ContactFrames"]) -> "ContactFrames":

@@ -30,7 +30,7 @@ ROUNDING = 1e-9
 class LargestSoFar(ContactState):
     """Largest overlap so far, as the state of a contact: beyond it first loading continues, below it unloads."""
 
-    heading = "v_memory"
+    heading, meaning = "v_memory", "largest overlap so far"
 
     def turning_overlap(self, state: Any) -> Any:
         """Overlap, [...], at which unloading began: the state itself."""
