@@ -70,7 +70,8 @@ class BeadLayout:
         even: whether all neighbouring beads are equally far apart at rest.
         farthest: how much farther apart than at rest neighbours that act at a distance come, at most; 0 where none do.
         group: LAMMPS's group of all beads.
-        heaviest: largest mass of a bead.
+        alike: whether all beads are the same, and all contacts but for their static load.
+        lightest, heaviest: smallest and largest mass of a bead.
         contact_loss: dashpot law of the contacts (`lammps_inputs.laws.dashpot`); None if they are undamped.
         walls: walls of the chains.
         velocity_at_full_steps: whether LAMMPS's step is of order 2 by masses that are larger
@@ -86,6 +87,8 @@ class BeadLayout:
     even: bool
     farthest: float
     group: str
+    alike: bool
+    lightest: float
     heaviest: float
     contact_loss: Any
     walls: tuple[WallLinks, ...]

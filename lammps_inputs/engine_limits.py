@@ -57,6 +57,12 @@ STRENGTHS = EngineLimit(
 )
 EXPONENTS = EngineLimit("LAMMPS has exponents that differ from contact to contact of 1 and 1.5, not {number}")
 DASHPOTS = EngineLimit("LAMMPS has dashpots beside contacts that are one pair style, not hybrid")
+RESTITUTIONS = EngineLimit("LAMMPS has dashpots of a restitution for contacts of exponent 1, 1.5 and 2, not {number}")
+VISCOELASTIC = EngineLimit("LAMMPS's dashpots that grow as overlap^0.5 grow with the beads' masses, too, which differ")
+COUPLING_DASHPOTS = EngineLimit("LAMMPS damps every row between each chain and the next, of equal beads, only")
+CUBIC_SPRINGS = EngineLimit(
+    "LAMMPS's springs have their cube from their length, in which tied chains that are {number} L apart lose digits"
+)
 FORMULAS = EngineLimit("LAMMPS has one formula for all links of a law")
 ENERGY = EngineLimit("no formula of the energy was found, which LAMMPS needs")
 REACH = EngineLimit("the energy separates neighbours for good, farther than LAMMPS looks")

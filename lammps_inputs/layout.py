@@ -25,6 +25,8 @@ def layout_of(system: System) -> BeadLayout:
         even=physics.even(system),
         farthest=physics.farthest(system),
         group="all" if physics.lines(system) == system.chains else "beads",
+        alike=physics.one_kind(system),
+        lightest=float(np.min(system.mass)),
         heaviest=float(np.max(system.mass)),
         contact_loss=physics.contact_loss(system),
         walls=tuple(wall_of(wall, system) for wall in physics.walls(system)),

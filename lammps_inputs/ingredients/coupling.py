@@ -22,7 +22,6 @@ from lammps_inputs.ingredients.base import (
 from lammps_inputs.ingredients.by_formula import ByFormula, formulas
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.spring import Duffing, Linear
-from lammps_inputs.layout import layout_of
 from lammps_inputs.links import Across
 from lammps_inputs.system import System
 from lammps_inputs.units import Label
@@ -37,9 +36,6 @@ Edge = Annotated[
 
 MOST = 1e12
 """Dimensionless stiffness; beyond it the rows are rigid."""
-
-_ROUNDED = 1e-10
-"""Stiffness that may be lost where the lateral part of LAMMPS's cubic bond is taken away."""
 
 
 @with_keys(ends(Stiffness, "Stiffness up to the first bead of `rows`.", "Stiffness from the last bead of `rows` on."))
@@ -126,18 +122,10 @@ class Coupling(ByFormula):
         formulas().refuse_even("coupling", force)
 
     def refuse_system(self, setting: Setting, system: System) -> None:
-        """Refuse cubic springs over distances at which LAMMPS's lose their digits, and formulas without a value."""
+        """Refuse formulas without a value."""
         for link in system.couplings if self.formula is not None else ():
             if link.law.source is not None:
                 formulas().refuse_reach("coupling", link.law, system, setting.scale.length)
-        edges = self._edges(setting.chains)
-        farthest = max((higher - lower for lower, higher, _ in edges), default=0)
-        lateral = layout_of(system).apart((0, farthest))
-        if np.max(self._cubic(edges, setting), initial=0.0) * lateral**2 * np.finfo(float).eps > _ROUNDED:
-            raise ValueError(
-                f"coupling.cubic: tied chains are so far from each other ({farthest} chains, {lateral:.3g} L) that "
-                "LAMMPS's springs, which have their cube from the length, lose their digits; weaker or nearer ones"
-            )
 
     def _refuse_edges(self, chains: int) -> None:
         topology = self.topology

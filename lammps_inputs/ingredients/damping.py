@@ -23,6 +23,7 @@ from lammps_inputs.laws.dashpot import (
     ContactLoss,
     Dashpot,
     LinearRestitution,
+    PowerRestitution,
     Restitution,
     Viscoelastic,
     WallDashpot,
@@ -94,15 +95,10 @@ class Damping(Ingredient):
                 raise ValueError(f"damping.contact: {self.contact:g} is no restitution; above 0, and at most 1")
             if self.tension == "cut":
                 raise ValueError("damping.tension: the law restitution needs tensile forces; leave `cut` out")
-            if setting.contact_scale[0] not in RESTITUTIONS:
-                raise ValueError(
-                    "damping.law: restitution needs dashpots that grow as overlap^((p - 1) / 2), which LAMMPS has for "
-                    f"contacts of exponent 1, 1.5 and 2, not {setting.contact_scale[0]:g}; take linear or viscoelastic"
-                )
         elif self.tension == "cut" and setting.contact_scale[0] != HERTZ:
             raise ValueError(
-                "damping.tension: LAMMPS cuts tension where dashpots pull harder than contacts of spheres push, of "
-                f"exponent 1.5, not {setting.contact_scale[0]:g}; leave it out"
+                "damping.tension: is cut where dashpots pull harder than contacts of spheres push, of exponent 1.5, "
+                f"not {setting.contact_scale[0]:g}; leave it out"
             )
         if self.coupling and not any(isinstance(link, Across) for link in _springs(setting)):
             raise ValueError("damping.coupling: there is no coupling between chains that it could damp")
@@ -115,28 +111,12 @@ class Damping(Ingredient):
                 )
 
     def refuse_system(self, setting: Setting, system: System) -> None:  # noqa: ARG002
-        """Refuse contacts and masses with which LAMMPS's dashpots are others."""
-        if self.contact and not isinstance(system.mass, float):
-            if self.law == "viscoelastic":
-                raise ValueError(
-                    "damping.law: LAMMPS's viscoelastic dashpots grow with the beads' masses, and these differ; "
-                    "take linear or restitution"
-                )
-            if self.law == "restitution" and physics.exponent(system) not in (1.0, HERTZ):
-                raise ValueError(
-                    "damping.law: of contacts of this exponent LAMMPS has one dashpot for all, and restitution needs "
-                    "others where masses differ; take linear"
-                )
+        """Refuse laws that are known for other contacts."""
         if self.contact and physics.exponent(system) is None and (self.law == "restitution" or self.tension == "cut"):
             key = "law" if self.law == "restitution" else "tension"
             raise ValueError(
                 f"damping.{key}: {getattr(self, key)} is known for contacts whose force is a power of the overlap, "
                 "which those of this scene are not; take linear or viscoelastic, and leave tension out"
-            )
-        if self.coupling and not (physics.open_row(system) and physics.one_kind(system)):
-            raise ValueError(
-                "damping.coupling: LAMMPS damps equal linear springs between each chain and the next, of equal beads, "
-                "only; leave it out"
             )
         if (
             self.contact
@@ -160,8 +140,11 @@ class Damping(Ingredient):
                 law: Any = self._at_wall(wall, setting)
                 dampers.append(replace(wall, name=f"{wall.name}_damping", law=law))
         if self.coupling:
-            law = laws.dimensionless(Dashpot(self.coupling), setting.scale)
-            dampers += [replace(link, name="coupling_damping", law=law) for link in _springs(setting)]
+            coefficient = laws.dimensionless(Dashpot(self.coupling), setting.scale).coefficient
+            for link in _springs(setting):
+                acts = link.acts(setting.beads)
+                law = Dashpot(coefficient if np.all(acts) else np.where(acts, coefficient, 0.0))
+                dampers.append(replace(link, name="coupling_damping", law=law))
         if self.beads:
             dampers.append(Ground("bead_damping", laws.dimensionless(Dashpot(self.beads), setting.scale)))
         return tuple(dampers)
@@ -188,14 +171,16 @@ class Damping(Ingredient):
                 reduced = 1.0 / (1.0 / mass[:, :-1] + 1.0 / mass[:, 1:])
             exponent = setting.contact_scale[0]
             coefficient = alpha(self.contact, exponent) * np.sqrt(reduced * strength)
-            return RESTITUTIONS[exponent](coefficient, self.contact)
+            if exponent in RESTITUTIONS:
+                return RESTITUTIONS[exponent](coefficient, self.contact)
+            return PowerRestitution(coefficient, exponent, self.contact)
         unit = scale.force / scale.velocity
         tensile_limit = strength if self.tension == "cut" else NO_LIMIT
         if self.law == "viscoelastic":
             return Viscoelastic(self.contact / unit * scale.length**0.5, tensile_limit)
         return ContactDashpot(self.contact / unit, tensile_limit)
 
-    def _at_wall(self, wall: Wall, setting: Setting) -> WallDashpot:
+    def _at_wall(self, wall: Wall, setting: Setting) -> WallDashpot | PowerRestitution:
         """Dashpot of a wall: it dissipates the share of the speed, or has the share of the force, that contacts do.
 
         The dashpot of a viscoelastic contact is in proportion to its stiffness (Brilliantov et al. 1996).
@@ -207,7 +192,10 @@ class Damping(Ingredient):
         of: dict[float, Parameter] = {1.0: 0.0, HERTZ: 0.0, 2.0: 0.0}  # as in `RESTITUTIONS`
         if self.law == "restitution":
             critical: NDArray[np.float64] = np.sqrt(mass * strength)
-            of[exponent] = alpha(self.contact, exponent) * critical
+            coefficient = alpha(self.contact, exponent) * critical
+            if exponent not in RESTITUTIONS:
+                return PowerRestitution(coefficient, exponent, self.contact)
+            of[exponent] = coefficient
         elif self.law == "viscoelastic":
             of[2.0] = float(self.contact / unit * setting.scale.length**0.5) * strength
         else:

@@ -95,10 +95,16 @@ class Dashpot(DashpotLaw):
         """LAMMPS's thermostat of DPD at no temperature, whose drag, if the same along and across, is this.
 
         Beads of neighbouring chains differ by their type; the cutoff is between that of a row and those beside it.
+
+        Raises:
+            EngineLimitError: beads that differ, or that not all have a dashpot to the next chain.
         """
         name = link.name
         if link.tie:
             return self._tie(link, layout)
+        every = link.open_row and len(link.edges) == layout.chains - 1 and np.ndim(self.coefficient) == 0
+        if not (every and layout.alike):
+            raise engine_limits.COUPLING_DASHPOTS.error("damping.coupling")
         types = np.repeat(1 + np.arange(layout.chains)[:, np.newaxis] % 2, layout.beads, axis=1)
         pressed = float(np.max(layout.rest))
         apart = layout.diameter + layout.gap
@@ -194,7 +200,13 @@ class Viscoelastic(DashpotLaw):
         return coefficient * (2.0 / 3.0 * closed * np.sqrt(closed) - 2.0 / 3.0 * rest * np.sqrt(rest))
 
     def granular(self, layout: BeadLayout) -> tuple[float, str]:
-        """LAMMPS multiplies by the contact's radius, sqrt(diameter / 4 * overlap), and the reduced mass, 1/2."""
+        """LAMMPS multiplies by the contact's radius, sqrt(diameter / 4 * overlap), and the reduced mass, 1/2.
+
+        Raises:
+            EngineLimitError: beads of different mass.
+        """
+        if layout.lightest < layout.heaviest:
+            raise engine_limits.VISCOELASTIC.error("damping.law")
         unit = 2.0 / float(np.sqrt(layout.diameter / 4.0))
         return unit * float(np.max(self.coefficient)), "damping viscoelastic" + _limit(self.tensile_limit)
 
@@ -259,7 +271,44 @@ class LinearRestitution(DashpotLaw):
         return self.share, "damping coeff_restitution"
 
 
-ContactLoss = ContactDashpot | Viscoelastic | Restitution | LinearRestitution
+class PowerRestitution(DashpotLaw):
+    """``a s**((p - 1) / 2) s'`` beside contacts of exponent p: two beads part with the same share of any speed."""
+
+    coefficient: Parameter
+    """a = alpha * sqrt(reduced mass * strength), in units of m / (T L**((p - 1) / 2))."""
+    exponent: float
+    """p."""
+    share: float
+    """e, which sets alpha."""
+    rest: Parameter = 0.0
+
+    @staticmethod
+    def damping(s: Any, rate: Any, coefficient: Any, exponent: Any, share: Any, rest: Any) -> Any:  # noqa: ARG004
+        """Force of the dashpot, proportional to the root of the contact's stiffness and to the rate."""
+        return coefficient * np.maximum(s + rest, 0.0) ** (0.5 * (exponent - 1.0)) * rate
+
+    @staticmethod
+    def growth(s: Any, coefficient: Any, exponent: Any, share: Any, rest: Any) -> Any:  # noqa: ARG004
+        """Slope of the resistance, limited to that at an overlap of `LEAST`."""
+        power = 0.5 * (exponent - 1.0)
+        return power * coefficient * (s + rest > 0.0) * np.maximum(s + rest, LEAST) ** (power - 1.0)
+
+    @staticmethod
+    def impulse(s: Any, coefficient: Any, exponent: Any, share: Any, rest: Any) -> Any:  # noqa: ARG004
+        """``a ((d0 + s)+**q - d0**q) / q`` with ``q = (p + 1) / 2``."""
+        q = 0.5 * (exponent + 1.0)
+        return coefficient / q * (np.maximum(s + rest, 0.0) ** q - rest**q)
+
+    def granular(self, layout: BeadLayout) -> tuple[float, str]:  # noqa: ARG002
+        """No model of LAMMPS.
+
+        Raises:
+            EngineLimitError: always.
+        """
+        raise engine_limits.RESTITUTIONS.error("damping.law", self.exponent)
+
+
+ContactLoss = ContactDashpot | Viscoelastic | Restitution | LinearRestitution | PowerRestitution
 
 
 def alpha(share: float, exponent: float = 1.5) -> float:

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from lammps_inputs import laws
+from lammps_inputs import engine_limits, laws
 from lammps_inputs.deck_lines import (
     BeadLayout,
     DeckLines,
@@ -94,6 +94,9 @@ class Linear(Law):
             ),
         )
 
+
+ROUNDED = 1e-10
+"""Stiffness that may be lost where the lateral part of LAMMPS's cubic bond is taken away."""
 
 ROW = "v_row"
 """Number of an atom's row in LAMMPS."""
@@ -190,9 +193,14 @@ class Duffing(Law):
         """Bonds of class2, whose energy with r0 = 0 is ``K2 r**2 + K4 r**4``, r**2 = s**2 + (lateral distance)**2.
 
         With K4 = c / 4 the lateral part adds ``2 K4 distance**2`` to K2, which is taken away; exact but for rounding.
+
+        Raises:
+            EngineLimitError: chains so far apart that little is left of K2.
         """
         shape = (len(link.edges), layout.beads)
         apart = np.array([[layout.apart(edge)] for edge in link.edges])
+        if np.max(self.cubic * apart**2) * np.finfo(float).eps > ROUNDED:
+            raise engine_limits.CUBIC_SPRINGS.error(f"{link.name}.cubic", float(np.max(apart)))
         present = np.broadcast_to((self.spring != 0.0) | (self.cubic != 0.0), shape)
         values, bonds = bonds_by_value((self.spring, self.cubic, np.where(present, apart, 0.0)), shape)
         return DeckLines(

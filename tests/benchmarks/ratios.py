@@ -9,7 +9,7 @@ some five minutes and 2 GB of temporary files. Absolute times are noise; only th
 | reader       | deck, frames and reader beside a plain deck, a text dump and MDAnalysis's own reader           |
 | check        | the check of a run beside the run                                                              |
 | sweep        | a sweep with one worker process and with two                                                   |
-| reference    | the reference integrator beside SciPy's DOP853 at the same error                               |
+| reference    | the reference integrator beside SciPy's DOP853 at the same error; walls beside none            |
 | collisions   | a collision of rigid beads beside a force on all beads, in chains of any length                |
 """
 
@@ -314,6 +314,24 @@ def reference_ratios(_root: Path) -> Iterator[Ratio]:
         first = min(seconds(lambda: reference.run(ends, steps_per_frame=ours * problem.frames)) for _ in range(3))
         pairs.append((first, seconds(lambda: scipy_velocities(problem, tolerance))))
     yield ratio_of("scipy DOP853 / reference at an error of 1e-6", pairs, 100.0)
+    yield wall_ratio("no dashpots")
+    yield wall_ratio("dashpots", damping={"contact": 0.1, "law": "viscoelastic"})
+
+
+def wall_ratio(name: str, **keys: Any) -> Ratio:
+    """Chains between walls beside others."""
+    kicked = {"kick": {"bead": 150, "velocity": 1.0}, "output": {"every": 1.0}, **keys}
+    alone, between = (
+        coupled_scene(4, 300, 300.0, **kicked, **walls).problem()
+        for walls in ({}, {"walls": {"left": "bead", "right": "bead"}})
+    )
+    pairs = [(run_seconds(alone), run_seconds(between)) for _ in range(6)][1:]  # the first compiles
+    return ratio_of(f"walls / none, {name}", pairs, 1.25, below=True)
+
+
+def run_seconds(problem: Problem) -> float:
+    """Seconds of a run by the reference."""
+    return seconds(lambda: reference.run(problem))
 
 
 def last_velocities(problem: Problem, steps_per_frame: int) -> Floats:

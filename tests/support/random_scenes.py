@@ -109,7 +109,7 @@ def _draw_lossy(chance: random.Random, number: int | str) -> Scene:
         more["kinds"] = {name: {"mass": chance.uniform(0.3, 3.0), "radius": 1.0} for name in "ab"}
         more["pattern"] = ["a", "b"]
     if chance.random() < 0.5:
-        laws = ["linear", "viscoelastic"] + ["restitution"] * (exponent == 1.5)
+        laws = ["linear", "viscoelastic", "restitution"]
         damping = {"contact": 10.0 ** chance.uniform(-3.0, 0.0), "law": chance.choice(laws)}
         if damping["law"] == "restitution":
             damping["contact"] = chance.uniform(0.2, 0.99)

@@ -35,6 +35,23 @@ LIMITED: dict[str, tuple[dict[str, Any], engine_limits.EngineLimit]] = {
         {"contact": {"force": "A*s^1.5*(1+s)", "A": 1.0, "strength": [1.0, 2.0] * 19 + [1.0]}},
         engine_limits.FORMULAS,
     ),
+    "restitution": (
+        {"contact": {"exponent": 2.5}, "damping": {"contact": 0.8, "law": "restitution"}},
+        engine_limits.RESTITUTIONS,
+    ),
+    "viscoelastic": (
+        {"damping": {"contact": 0.1, "law": "viscoelastic"}, "disorder": {"mass": 0.1}},
+        engine_limits.VISCOELASTIC,
+    ),
+    "dashpots in some rows": (
+        {"chains": 2, "coupling": {"stiffness": 0.1, "rows": [3, 9]}, "damping": {"coupling": 0.1}},
+        engine_limits.COUPLING_DASHPOTS,
+    ),
+    "dashpots of a ring": (
+        {"chains": 3, "coupling": {"stiffness": 0.1, "topology": "ring"}, "damping": {"coupling": 0.1}},
+        engine_limits.COUPLING_DASHPOTS,
+    ),
+    "cubic springs": ({"chains": 2, "coupling": {"cubic": 1e6}}, engine_limits.CUBIC_SPRINGS),
     "bonds": ({"chains": 2, "coupling": {"force": "k*s*abs(s)", "k": 0.1}}, engine_limits.EVEN_ENERGY),
 }
 

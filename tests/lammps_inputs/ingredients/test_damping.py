@@ -20,6 +20,7 @@ from lammps_inputs.ingredients.walls import Face, Walls
 from lammps_inputs.laws.dashpot import alpha
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.rates import stability_bound
+from workflow.engines.reference import engine
 
 SLOW = pytest.mark.slow
 
@@ -55,6 +56,22 @@ def test_two_beads_part_with_their_restitution(share: float, exponent: float, tm
     asked = scene(duration=10.0, contact=contact, damping=losing, timestep=step, every=10.0)
     first, second = run(asked, tmp_path / "run").velocity[-1, 0]
     assert second - first == pytest.approx(share, abs=5e-5)
+
+
+@pytest.mark.parametrize("exponent", [1.2, pytest.param(2.5, marks=SLOW), pytest.param(3.0, marks=SLOW)])
+@pytest.mark.parametrize("wall", [False, pytest.param(True, marks=SLOW)])
+def test_by_the_reference_beads_of_any_exponent_part_with_their_restitution(exponent: float, *, wall: bool) -> None:
+    asked = scene(
+        duration=10.0 if not wall else 4.5,
+        gap=0.97,
+        contact=Contact(exponent=exponent),
+        kick=(Kick(bead=2 if wall else 1, velocity=1.0),),
+        walls=Walls(right=Face(stiffness=2.0)) if wall else None,
+        damping=Damping(contact=0.7, law="restitution"),
+        every=0.1,
+    )
+    first, second = engine.run(asked.problem()).velocity[-1, 0]
+    assert (-second if wall else second - first) == pytest.approx(0.7, abs=1e-6)
 
 
 UNEQUAL: dict[str, dict[str, Any]] = {
@@ -111,6 +128,32 @@ def test_a_bead_comes_back_from_a_wall_with_its_restitution(share: float, name: 
     first, last = run(asked, tmp_path / "run").velocity[-1, 0]
     assert (first if left else -last) == pytest.approx(share, abs=5e-5)
     assert (last if left else first) == 0.0
+
+
+TIED: dict[str, dict[str, Any]] = {
+    "cubic": {"stiffness": 0.1, "cubic": 0.2},
+    "unequal": {"topology": {"edges": [[1, 2, 0.1], [2, 3, 0.4]]}},
+}
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=SLOW) for name in TIED])
+def test_lammps_damps_springs_between_each_chain_and_the_next_whatever_their_law(name: str, tmp_path: Path) -> None:
+    plain = {"name": name, "chains": 3, "beads": 8, "kick": {"velocity": 1.0}, "duration": 12.0, "timestep": 0.002}
+    case = library.from_plain({**plain, "coupling": TIED[name], "damping": {"coupling": 0.05}}, name)
+    reference = engine.run(case.problem())
+    assert np.max(np.abs(run(case, tmp_path / "run").velocity - reference.velocity)) < 5e-4
+    free = engine.run(library.from_plain({**plain, "coupling": TIED[name]}, name).problem())
+    assert np.max(np.abs(free.velocity - reference.velocity)) > 5e-3
+
+
+@pytest.mark.parametrize("coupling", [{"stiffness": 0.3, "rows": [2, 3]}, {"stiffness": 0.3, "topology": "ring"}])
+def test_by_the_reference_dashpots_are_beside_every_spring_and_nowhere_else(coupling: dict[str, Any]) -> None:
+    plain = {"name": "tied", "chains": 3, "beads": 4, "kick": {"velocity": 1.0}, "duration": 5.0}
+    case = library.from_plain({**plain, "coupling": coupling, "damping": {"coupling": 0.1}}, "tied")
+    (spring,), (damper,) = case.system.couplings, case.system.dampers
+    coefficient = np.broadcast_to(damper.law.coefficient, (len(spring.edges), 4))  # type: ignore[attr-defined]
+    assert damper.edges == spring.edges  # type: ignore[attr-defined]
+    assert np.array_equal(coefficient > 0.0, np.broadcast_to(spring.law.spring, coefficient.shape) > 0.0)  # type: ignore[attr-defined]
 
 
 def test_a_restitution_is_that_of_the_reduced_mass_and_the_strength_of_each_contact() -> None:

@@ -19,6 +19,7 @@ from lammps_inputs.laws.dashpot import (
     NO_LIMIT,
     ContactDashpot,
     LinearRestitution,
+    PowerRestitution,
     Restitution,
     Viscoelastic,
     WallDashpot,
@@ -153,6 +154,7 @@ CONTACTS = {
     "viscoelastic, cut": Viscoelastic(0.3, 1.0),
     "restitution": Restitution(0.3, 0.7),
     "linear restitution": LinearRestitution(0.3, 0.7),
+    "restitution, p = 2.5": PowerRestitution(0.3, 2.5, 0.7),
 }
 DASHPOTS = [*CONTACTS.values(), *WALLS.values()]
 

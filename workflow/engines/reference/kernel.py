@@ -330,6 +330,8 @@ class _Writer:
             "pushed": terms.pushed_in_drifts,
             "damped": terms.dashpots != "none",
             "half_step": terms.dashpots == "half step",
+            "drifting": terms.dashpots == "drift",
+            "reset": terms.dashpots == "drift" and bool(terms.motions or terms.with_state),
             "counts_lost": terms.counts_lost,
             "counts_work": terms.counts_work,
             "moved_with_loss": terms.moved_with_loss,
@@ -343,7 +345,9 @@ class _Writer:
     def _parts_of_a_step(self) -> dict[str, str | list[str]]:
         """Texts for the places of the functions that take steps."""
         kind, as_lammps = self._terms.dashpots, self._terms.as_lammps
-        press = self._lines(template.PRESS, contact=self._contact_force())
+        press = self._lines(
+            template.PRESS, contact=self._contact_force(), walls=self._of_walls(self._terms.walls, "push", "force")
+        )
         kick = self._kick("v", "factor")
         if kind == "half step":
             kick += self._lines(template.DRAG_AS_LAMMPS)
@@ -384,6 +388,20 @@ class _Writer:
         calls = [self._call(term, "force", term.strain) for term in self._terms.contacts]
         return " + (".join(calls) + ")" * (len(calls) - 1)
 
+    def _at_end(self, term: Term, *lines: str) -> list[str]:
+        """A loop over the beads that meet a wall, those in the rows that can move."""
+        row = self._terms.row
+        begin, end = f"max(low, {term.row} * {row})", f"min(high, ({term.row} + uint64(1)) * {row})"
+        return [f"for k in range({begin}, {end}):", *(f"    {line}" for line in lines)]
+
+    def _of_walls(self, terms: Sequence[Term], array: str, function: str, *, rate: bool = False) -> list[str]:
+        """Loops that put a function of walls into an array beside those of the contacts, as a contact with a place."""
+        lines = []
+        for term in terms:
+            call = self._call(replace(term, sign=""), function, term.strain, *([term.rate] * rate))
+            lines += self._at_end(term, f"{array}{term.place} = {call}")
+        return lines
+
     def _of_states(self, section: str) -> list[str]:
         """A section for each law of contacts or walls with a state, with the velocities that it reads."""
         terms, row, lines = self._terms, self._terms.row, []
@@ -420,10 +438,10 @@ class _Writer:
         loops, others = self._other_forces()
         return self._lines(template.KICK, loops=loops, others=others, target=target, factor=factor)
 
-    def _other_forces(self) -> tuple[list[str], str]:
+    def _other_forces(self, *, with_walls: bool = False) -> tuple[list[str], str]:
         """Forces that drive beads back, across and to the ground."""
         lines, across = self._sum(self._terms.across, "force")
-        more, ground = self._sum(self._terms.ground, "force")
+        more, ground = self._sum((*self._terms.ground, *self._terms.walls * with_walls), "force")
         return lines + more, "".join(f" - ({total})" for total in (across, ground) if total)
 
     # --- tangent flow -------------------------------------------------------------------------------------------------
@@ -445,7 +463,21 @@ class _Writer:
                     stiffness.append(f"    {slope} = {call}")
                     others += f" - {slope} * ({term.rate})"
         before = ["for k in range(low, high):", *stiffness] if stiffness else []
-        return self._lines(template.TANGENT_KICK, contact_slope=contacts, stiffness=before, loops=loops, others=others)
+        pulls = [line for term in self._terms.walls for line in self._at_end(term, self._pull(term))]
+        return self._lines(
+            template.TANGENT_KICK,
+            contact_slope=contacts,
+            wall_slopes=self._of_walls(self._terms.walls, "slopes", "stiffness"),
+            wall_pulls=pulls,
+            stiffness=before,
+            loops=loops,
+            others=others,
+        )
+
+    @staticmethod
+    def _pull(term: Term) -> str:
+        """Source of the change of a wall's force along a vector."""
+        return f"pulls{term.place} = slopes{term.place} * ({replace(term, v='dx_n').rate})"
 
     def _tangent_drift(self) -> list[str]:
         damped = self._terms.dashpots == "drift"
@@ -455,7 +487,7 @@ class _Writer:
 
     def _shifted_functions(self) -> list[str]:
         """Functions that add effects of shifted parameters, which are entries of arrays."""
-        loops, others = self._other_forces()
+        loops, others = self._other_forces(with_walls=True)
         kick = self._filled(template.SHIFTED_KICK, _OF_SIDE, contact=self._contact_force(), loops=loops, others=others)
         sections = [kick]
         if self._terms.dashpots == "drift":
@@ -564,6 +596,7 @@ class _Writer:
             more, total = self._sum(terms, function, rate=rate)
             loops += more
             held += [f"({total})"] if total else []
+        walls = self._of_walls(self._terms.wall_dampers, "squeeze", function, rate=rate)
         drag = f"squeeze[k] - squeeze[k + {self._terms.row}]" if contact else "0.0"
         return self._filled(
             template.DRAG,
@@ -571,7 +604,7 @@ class _Writer:
             name=name,
             arguments=f"{arguments}, {'q, s' if shifted else 'p'}",
             what=quantity,
-            contacts=self._lines(template.CONTACT_DRAG, contact=contact) if contact else [],
+            contacts=self._lines(template.CONTACT_DRAG, contact=contact, walls=walls) if contact else [],
             loops=loops,
             drag=f"{drag} - ({' + '.join(held)})" if held else drag,
         )
@@ -582,6 +615,9 @@ class _Writer:
             loops, held = self._sum([replace(term, v="trial") for term in terms], "damping", rate=True)
             if held:
                 lines += loops + _counted(kind, f"taken = count * trial[k] * ({held})")
+        for term in (replace(term, v="trial") for term in self._terms.wall_dampers):
+            held = self._call(term, "damping", term.strain, term.rate)
+            lines += self._at_end(term, *_taken(OF_WALLS, f"taken = count * trial[k] * {held}"))
         return lines
 
     def _counts_in_drifts(self) -> dict[str, list[str]]:
@@ -598,8 +634,15 @@ class _Writer:
                 lines.append(f"{name} = {impulse}")
             if terms:
                 taken += _counted(kind, *lines, f"taken = {_OVER_THE_WAY}")
+        for term in self._terms.wall_dampers:
+            moments = [replace(term, x=x) for x in ("place", "trial", "x")]
+            calls = ", ".join(self._call(each, "impulse", each.strain) for each in moments)
+            taken += self._at_end(term, *_taken(OF_WALLS, f"since, half, until = {calls}", f"taken = {_OVER_THE_WAY}"))
         return {"counted": counted, "taken": taken}
 
+
+OF_WALLS = 3
+"""Number of the dashpots of walls among the kinds of dashpots whose losses are counted."""
 
 _OVER_THE_WAY = "over_the_way(early[k], total[k], actual[k], half - since, until - half)"
 
@@ -636,6 +679,10 @@ def _over(term: Term, *lines: str, everywhere: bool = False, backwards: bool = F
 
 
 def _counted(kind: int, *lines: str) -> list[str]:
-    """A loop that counts what dashpots of a kind have taken, and takes it from the first kind, which has the rest."""
-    taken = [f"lost[{kind}, k] += taken", "lost[0, k] -= taken"]
-    return ["for k in range(low, high):", *(f"    {line}" for line in (*lines, *taken))]
+    """A loop that counts what dashpots of a kind have taken."""
+    return ["for k in range(low, high):", *(f"    {line}" for line in _taken(kind, *lines))]
+
+
+def _taken(kind: int, *lines: str) -> list[str]:
+    """Lines that count what dashpots of a kind have taken at k, and take it from the first kind, which has the rest."""
+    return [*lines, f"lost[{kind}, k] += taken", "lost[0, k] -= taken"]

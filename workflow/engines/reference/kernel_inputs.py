@@ -45,7 +45,8 @@ class Term:
         over: array that the term is a loop over: distances to other beads, or the places of a law in time.
         sums: scratch array of three sums over distances, [sum, place].
         state_at: index of a contact's state in arrays of states, in brackets; empty of a law without one.
-        row: of a wall whose law has a state, the bead's; empty of others.
+        row: of a wall, that of its bead; empty of others.
+        place: of a wall, index in brackets of its force among those of the contacts; empty of others.
         sign: source of a factor of what the law gives; empty of 1.
         time: source of the time, on which the law depends; empty of one that does not.
         x, v: names of the arrays of displacements and velocities that it reads.
@@ -59,6 +60,7 @@ class Term:
     sums: str = ""
     state_at: str = ""
     row: str = ""
+    place: str = ""
     sign: str = ""
     time: str = ""
     x: str = "x"
@@ -84,8 +86,9 @@ class Terms:
     """All terms of a system; `names` are those of the parameters, in order, of which ``row`` is the length of a row.
 
     Attributes:
-        contacts, across, ground: laws of force.
-        dampers: laws of damping along, across, to the ground and of walls.
+        contacts, across, ground, walls: laws of force.
+        dampers: laws of damping along, across and to the ground.
+        wall_dampers: those of walls.
         loads, motions: laws in time, of forces on beads and of the acceleration of beads whose motion is given.
         inverse_mass: name of one over the masses; empty where all are 1.
         dashpots: how they act: as in LAMMPS with those of half a step before, in the kicks, or in the drifts.
@@ -99,7 +102,9 @@ class Terms:
     contacts: tuple[Term, ...]
     across: tuple[Term, ...]
     ground: tuple[Term, ...]
+    walls: tuple[Term, ...]
     dampers: tuple[tuple[Term, ...], ...]
+    wall_dampers: tuple[Term, ...]
     loads: tuple[Term, ...]
     motions: tuple[Term, ...]
     inverse_mass: str
@@ -121,7 +126,7 @@ class Terms:
     @property
     def with_state(self) -> tuple[Term, ...]:
         """Contacts and walls whose force depends on a state."""
-        return tuple(term for term in (*self.contacts, *self.ground) if term.state_at)
+        return tuple(term for term in (*self.contacts, *self.walls) if term.state_at)
 
     def per_mass_at(self, place: str) -> str:
         """Source of what makes a force at a place an acceleration; empty where all masses are 1."""
@@ -152,11 +157,13 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
     terms = Terms(
         contacts=tuple(taken.term(link.law, *between, first=2, state_at="[k]") for link in system.along),
         across=taken.terms(system.across),
-        ground=taken.terms(system.ground),
+        ground=taken.terms(physics.ground_springs(system)),
+        walls=taken.terms(physics.walls(system)),
         dampers=(
             tuple(taken.term(link.law, *between, first=2) for link in ends[Along]),
-            *(taken.terms(links) for links in (ends[Across], beads, walls)),
+            *(taken.terms(links) for links in (ends[Across], beads)),
         ),
+        wall_dampers=taken.terms(walls),
         loads=taken.acting(system.loads),
         motions=taken.acting(system.motions),
         inverse_mass="" if inverse is None else taken.add("inverse_mass", inverse),
@@ -211,8 +218,8 @@ class _Parameters:
                 side, gap = self.add("side", link.side), self.add("gap", link.gap)
                 at = f"[k + {self.names[0]}]" if link.side > 0.0 else "[k]"
                 term = self.term(link.law, f"{side} * {{x}}[k] - {gap}", f"{side} * {{v}}[k]", first=1, state_at=at)
-                row = self.add("end", np.uint64(self._system.beads if link.side > 0.0 else 1)) if term.state_at else ""
-                terms.append(replace(term, sign=side, row=row))
+                row = self.add("end", np.uint64(self._system.beads if link.side > 0.0 else 1))
+                terms.append(replace(term, sign=side, row=row, place=at))
             else:
                 term = self.term(link.law, "{x}[k]", "{v}[k]", first=1)
                 terms.append(replace(term, time="time" * link.law.varies))

@@ -33,6 +33,7 @@ from workflow.engines.reference.common import displaced, maximum, over_the_way
 PRESS = """
 for k in range(low + {row}, high):
     push[k] = {contact}
+{walls}
 """
 
 KICK = """
@@ -62,6 +63,7 @@ for stage in range(kicks.shape[0]):
         {kick}
         {kick_by_means}
         {hold}
+        ?reset known = False
         {tangent_kick}
     if stage < drifts.shape[0]:
         duration = drifts[stage] * h
@@ -77,7 +79,9 @@ for stage in range(kicks.shape[0]):
                 push[first * chains : (first + 1) * chains] = 0.0
         if first > 1 and last - first + 1 < span[2] and displaced(x, first * chains, (first + 1) * chains):
             first -= 1
+        ?drifting known = span[0] == first and span[1] == last
         span[0], span[1] = first, last
+?reset known = False
 {updated}
 """
 
@@ -177,6 +181,7 @@ x, v, push, span, chains, room, lost, work, past = state
 ?has_state contact_state, was, closing = past
 ?damped {rooms} = room
 kicks, drifts, h = scheme
+?drifting known = False
 """
 
 FOLLOW = '''
@@ -261,6 +266,7 @@ for k in range(low + {row}, high):
     squeeze[k] = {contact}
 for k in range(high, high + {row}):
     squeeze[k] = 0.0
+{walls}
 """
 
 DRAG_AS_LAMMPS = """
@@ -298,7 +304,11 @@ for k in range(low, high):
     trial[k] = x[k]
     total[k] = 0.0
 for part in range(4):
-    impulses(trial, p, squeeze, drag, low, high)
+    if part > 0 or not known:
+        impulses(trial, p, squeeze, drag, low, high)
+    else:  # as at the end of the drift before
+        for k in range(low, high):
+            drag[k] = after[k]
     if part == 0:
         for k in range(low, high):
             early[k] = v[k] + drag[k]{per_mass}
@@ -400,11 +410,13 @@ def shifted_rate(rates, x, q, s, factor, squeeze, drag, low, high):
 TANGENT_KICK = """
 for k in range(low + {row}, high):
     slopes[k] = {contact_slope}
+{wall_slopes}
 {stiffness}
 for n in range(dx.shape[0]):
     dx_n, dv_n = dx[n], dv[n]
     for k in range(low + {row}, high):
         pulls[k] = slopes[k] * (dx_n[k - {row}] - dx_n[k])
+    {wall_pulls}
     {loops}
     for k in range(low, high):
         dv_n[k] += factor * ((pulls[k] - pulls[k + {row}]{others}){per_mass})

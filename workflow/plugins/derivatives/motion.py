@@ -235,7 +235,11 @@ def _shift_arrays(
     made = [kernel_inputs.make_terms(end.system, as_lammps=False, step=0.0) for end in ends]
     if not all(_alike((terms, parameters), other, problem.duration) for other in made):
         raise InputError("no derivative: a small change of the number changes the form of the equations of motion")
-    groups = [terms.contacts, (*terms.across, *terms.ground), tuple(itertools.chain(*terms.dampers))]
+    groups = [
+        terms.contacts,
+        (*terms.across, *terms.ground, *terms.walls),
+        tuple(itertools.chain(*terms.dampers, terms.wall_dampers)),
+    ]
     names = [_names(group) | {terms.inverse_mass} if group else set() for group in (*groups, _loads(terms))]
     stacked = tuple(np.stack(values) for values in zip(*(values for _, values in made), strict=True))
     differs = np.zeros((len(sides), len(names)), dtype=bool)
@@ -285,5 +289,5 @@ def _form(terms: kernel_inputs.Terms) -> kernel_inputs.Terms:
         laws = (term.law if term.law.source is None else term.law.source("", "force") for term in group)
         return tuple(replace(term, law=law) for term, law in zip(group, laws, strict=True))
 
-    across, ground = with_texts(terms.across), with_texts(terms.ground)
-    return replace(terms, contacts=with_texts(terms.contacts), across=across, ground=ground)
+    contacts, across, ground, walls = map(with_texts, (terms.contacts, terms.across, terms.ground, terms.walls))
+    return replace(terms, contacts=contacts, across=across, ground=ground, walls=walls)

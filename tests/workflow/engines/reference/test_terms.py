@@ -69,7 +69,7 @@ def test_absent_links_have_neither_force_nor_slope_at_any_strain(name):
     by_name = dict(zip(terms.names, values, strict=True))
     places = (system.beads + 2) * int(by_name[terms.row])
     absent = 0
-    for term in (*terms.contacts, *terms.across, *terms.ground):
+    for term in (*terms.contacts, *terms.across, *terms.ground, *terms.walls):
         for parameters in parameters_without_link(term, by_name, places):
             absent += 1
             for function in functions_of(term):
