@@ -257,6 +257,10 @@ class BaseScene(ScenePart, metaclass=SceneType):
     def _check_further_atoms(self) -> None:
         """Refuse what is not known beside lines of atoms that are no beads."""
         for key, _ in self._further_atoms:
+            for other, ingredient in self.named:
+                if Fact.FRAMES in ingredient.lacks(self.setting):
+                    reason = ingredient.reason(other, Fact.FRAMES)
+                    raise ValueError(f"{reason} beside {key}; leave one of them out")
             if self.window is not None:
                 raise ValueError(f"window: {key} behind it keep moving; leave the window out")
 

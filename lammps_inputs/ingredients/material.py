@@ -55,7 +55,7 @@ class Material(Ingredient):
         if setting.contact_scale[0] != 1.5 or (contact is not None and contact.force is not None):
             raise ValueError(f"contact: other contacts than spheres, which alone yield by {key}; leave one of them out")
         plastic.refuse_at_once(key, self._onset(setting), "; is it in Pa?")
-        plastic.refuse(setting, key, of_spheres=True)
+        plastic.refuse(setting, of_spheres=True)
 
     def lacks(self, setting: Setting) -> frozenset[Fact]:  # noqa: ARG002
         """Facts that no longer hold where the beads have a yield strength."""

@@ -28,8 +28,9 @@ SOURCES: dict[str, tuple[str, ...]] = {"thornton": ("thornton1997",), "walton-br
 WHY = {
     Fact.FRONT: "unloading waves run faster than the front, past a window",
     Fact.REVERSIBLE: "suzuki4 steps back in time within each cycle",
+    Fact.FRAMES: "contacts that yield are not known",
 }
-"""Facts that contacts that yield take away from those who ask for them, with the reason."""
+"""Facts that do not hold where contacts yield, each with a clause for users whose scene needs the fact."""
 
 SMALLEST = 1e-6
 """Smallest dimensionless overlap at yield."""
@@ -68,7 +69,7 @@ class Yield(ScenePart):
             raise ValueError(f"contact.yield.{wanted}: is missing; valid: `yield: {example}`")
         if self.overlap is not None:
             refuse_at_once("contact.yield.overlap", self.overlap / setting.scale.length)
-        refuse(setting, "contact.yield", of_spheres=not self.linear)
+        refuse(setting, of_spheres=not self.linear)
 
     def law_of(self, setting: Setting, strength: Parameter, solids: Callable[[], Solids]) -> Law:
         """The dimensionless law of contacts of solids (`Ingredient.law_between`)."""
@@ -92,12 +93,11 @@ def refuse_at_once(key: str, onset: float, hint: str = "") -> None:
         )
 
 
-def refuse(setting: Setting, key: str, *, of_spheres: bool) -> None:
+def refuse(setting: Setting, *, of_spheres: bool) -> None:
     """Refuse what is not known of contacts that yield.
 
     Args:
         setting: the scene.
-        key: key that makes contacts yield.
         of_spheres: whether they yield as spheres do.
 
     Raises:
@@ -114,9 +114,6 @@ def refuse(setting: Setting, key: str, *, of_spheres: bool) -> None:
                 f"walls.{side}.stiffness: the overlap at which such a wall yields is not known; take bead, flat, rigid "
                 "or {material: ...}"
             )
-    for other, ingredient in setting.named:
-        if ingredient.further_atoms(setting) is not None:
-            raise ValueError(f"{key}: contacts that yield are not known beside {other}; leave one of them out")
 
 
 def law_of_spheres(onset: float, strength: Parameter, solids: Solids) -> Thornton:
