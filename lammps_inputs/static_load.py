@@ -9,7 +9,7 @@ LAMMPS's to its last bit, in any release.
 """
 
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from lammps_inputs import laws, physics
 from lammps_inputs.deck_lines import PLACES
 from lammps_inputs.facts import Fact
-from lammps_inputs.laws.preloaded import Contact, rest_under, under
+from lammps_inputs.laws.contact import under
 from lammps_inputs.layout import layout_of
 from lammps_inputs.links import Along, Link, Wall
 from lammps_inputs.numbers import power_of_two_at_least
@@ -45,14 +45,14 @@ def under_load(system: System, force: NDArray[np.float64]) -> System:
     Raises:
         LoadError: the load is too large or too small.
     """
-    if not all(isinstance(link.law, Contact) for link in system.along):
+    if any(link.law.overlap_under is None for link in system.along):
         raise LoadError("the static overlap is known for powers of the overlap only; leave one of them out")
     if np.max(force) > MOST:
         raise LoadError(
             f"{np.max(force):.3g} times m V / T, the unit of the kick's forces; at most {MOST:.0e}: a faster kick or a "
             "smaller load is needed"
         )
-    rest = max(float(np.max(rest_under(cast(Contact, link.law), force[:, 1:-1]))) for link in system.along)
+    rest = max(float(np.max(link.law.overlap_under(force[:, 1:-1]))) for link in system.along)
     grid = _grid(system, rest)
     links = tuple(_loaded(link, force, grid) for link in system.links)
     loaded = replace(system, links=links)

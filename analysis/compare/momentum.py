@@ -15,8 +15,8 @@ from analysis import hermite
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import System, laws, physics
 from lammps_inputs.laws import dashpot
+from lammps_inputs.laws.contact import pressed
 from lammps_inputs.laws.dashpot import ContactDashpot, Dashpot
-from lammps_inputs.laws.preloaded import pressed
 from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Across, Along, Ground, Link, Wall
 from lammps_inputs.loads import Load

@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from lammps_inputs import engine_limits, file_names, laws, loads, physics, scheme, static_load, window
 from lammps_inputs.deck_lines import AtomTypes, BeadLayout, DeckLines
 from lammps_inputs.laws import dashpot, spring
-from lammps_inputs.laws.contact import wall_lines
+from lammps_inputs.laws.contact_lines import wall_lines
 from lammps_inputs.layout import across_of, layout_of, wall_of
 from lammps_inputs.links import Across, Along, Link, Wall
 from lammps_inputs.numbers import text

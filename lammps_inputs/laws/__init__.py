@@ -106,6 +106,8 @@ class Law(Parameters):
         steady: the law without what depends on time.
         bends: times between which the law depends on time smoothly.
         one_number: names of parameters that are the same for all links, and keep their value where there is no link.
+        overlap_under, pressed_to: methods that give the overlap under a static force, and the law about rest at an
+            overlap; None where these are not known.
         damping, impulse: functions of dashpots (`lammps_inputs.laws.dashpot`); None of other laws.
         along, across, ground: methods that spell the law in LAMMPS; None where it has no such link.
         wall: method that spells the force of a wall at an overlap; None where LAMMPS has no such wall.
@@ -115,6 +117,7 @@ class Law(Parameters):
     rest, load, omega = _ZERO, _ZERO, _ZERO
     linear, varies = False, False
     exponent, along, across, ground, at_wall, wall, damping, impulse = (_NONE,) * 8
+    overlap_under, pressed_to = _NONE, _NONE
     bends: ClassVar[Any] = ()
     one_number: ClassVar[tuple[str, ...]] = ()
 

@@ -2,24 +2,31 @@
 
 `Hertz` is that of elastic spheres (Hertz 1882), whose exponent is 1.5. `Power` has any: chains of any exponent above
 1 are sonic vacua (Nesterenko, Dynamics of Heterogeneous Materials, Springer 2001, 1.2).
+
+Under a static load contacts are in incremental form (`Preloaded`, `PreloadedPower`): rest is exactly rest, and its
+energy exactly 0. The strain counts from the static state, in which the overlap is ``rest`` and the force ``load``.
+Whatever holds the beads there (forces on the ends, walls, gravity) is constant, and so part of the law: what a link
+adds to it is all that moves the beads. Nesterenko, chapter 1.
 """
 
-from typing import Any
+from dataclasses import replace
+from typing import Annotated, Any
 
 import numpy as np
 
-from lammps_inputs import engine_limits, laws
-from lammps_inputs.deck_lines import AtomTypes, BeadLayout, DeckLines, WallLinks, types_by_contact
-from lammps_inputs.laws import Law, Parameter, Pure, formula
+from lammps_inputs import engine_limits
+from lammps_inputs.deck_lines import BeadLayout, DeckLines, types_by_contact
+from lammps_inputs.laws import Law, Parameter, Pure, contact_lines, formula
 from lammps_inputs.numbers import text
+from lammps_inputs.units import Dimension
+
+_NEWTON = 60
+
+_NEAR, _TERMS = 0.1, 14
+"""Strain over the overlap at rest up to which an energy is its series, to the last digit with so many terms."""
 
 LEAST_OVERLAP = 1e-300
 """Overlap in place of 0 in slopes, of which any power is a number: absent links have the exponent 0."""
-
-
-def wall_of_power(law: Law, overlap: str, closed: str, strength: str) -> str:
-    """Force of a wall at an overlap, which counts where the wall is touched, in LAMMPS's variables."""
-    return f"{strength}*({overlap}*{closed})^{text(float(law.exponent))}"
 
 
 class Hertz(Law):
@@ -28,7 +35,7 @@ class Hertz(Law):
     strength: Pure = 1.0
     """A, in units of the scale's contact constant."""
     exponent = 1.5
-    wall = wall_of_power
+    wall = contact_lines.wall_of_power
 
     @staticmethod
     def force(s: Any, strength: Any) -> Any:
@@ -52,6 +59,14 @@ class Hertz(Law):
         """Overlap at which one contact holds all of the energy; 0 where there is no contact."""
         return (2.5 * energy / np.where(np.asarray(strength) > 0.0, strength, np.inf)) ** 0.4
 
+    def overlap_under(self, load: Parameter) -> Any:
+        """Overlap at which a contact has a force, of its shape; 0 where there is no contact."""
+        return np.cbrt(over_strength(self.strength, load)) ** 2
+
+    def pressed_to(self, rest: Parameter) -> "Preloaded":
+        """Law of contacts with an overlap at rest, and the force that the law has there, to the last bit."""
+        return Preloaded(self.strength, rest, plain(self.strength * (rest * np.sqrt(rest))))
+
     def along(self, _name: str, layout: BeadLayout) -> DeckLines:
         """LAMMPS's Hertz force is ``Kn * sqrt(diameter / 4) * overlap**1.5`` for equal beads.
 
@@ -61,7 +76,7 @@ class Hertz(Law):
         """
         unit = float(1.0 / np.sqrt(layout.diameter / 4.0))
         if layout.contact_loss is not None or np.ndim(self.strength) > 0:
-            return _granular("hertz", unit, self.strength, "overlap^1.5", layout)
+            return contact_lines.granular("hertz", unit, self.strength, "overlap^1.5", layout)
         return DeckLines(
             interactions=(
                 "# contacts: force = overlap^1.5, no friction, no loss; this style computes no energy",
@@ -71,61 +86,6 @@ class Hertz(Law):
         )
 
 
-def _granular(law: str, unit: float, strength: Parameter, power: str, layout: BeadLayout) -> DeckLines:
-    """A pair style that has dashpots beside contacts of one law, and distinguishes these by the types of their beads.
-
-    Args:
-        law: name of the law in LAMMPS.
-        unit: LAMMPS's constant of a contact of strength 1.
-        strength: a number, or [chain, contact].
-        power: power of the overlap, for the comment.
-        layout: positions of the beads in LAMMPS.
-    """
-    if np.ndim(strength) == 0:
-        return _of_types(f"{law} {text(unit * float(strength))}", None, power, layout)
-    types = types_by_contact(np.asarray(strength))
-    models = {pair: f"{law} {text(unit * a)}" for pair, a in types.strength.items()}
-    return _of_types(f"{law} {text(unit)}", (types, models), f"{power}, strength by the bead types", layout)
-
-
-def _of_types(
-    general: str, by_type: tuple[AtomTypes, dict[tuple[int, int], str]] | None, power: str, layout: BeadLayout
-) -> DeckLines:
-    """Contacts in LAMMPS's words, in general and of pairs of types, with the dashpots of the layout."""
-    loss, model, says = "0", "damping velocity", f"{power}{';' if by_type else ','} no friction, no loss"
-    variables: tuple[str, ...] = ()
-    if layout.contact_loss is not None:
-        coefficient, model = layout.contact_loss.granular(layout)
-        loss, says = "${contact_damping}", f"{power} and a dashpot, no friction"
-        variables = (f"variable contact_damping index {text(coefficient)}   # {model}", *_since(model))
-    model = f"{loss} tangential linear_nohistory 0 0 {model}"
-    return DeckLines(
-        types=None if by_type is None else by_type[0],
-        variables=variables,
-        interactions=(
-            f"# contacts: force = strength * {says}",
-            "pair_style granular",
-            f"pair_coeff * * {general} {model}",
-            *(
-                f"pair_coeff {first} {second} {law} {model}"
-                for (first, second), law in ({} if by_type is None else by_type[1]).items()
-            ),
-        ),
-        damped=bool(variables),
-    )
-
-
-def _since(model: str) -> tuple[str, ...]:
-    if "restitution" not in model:
-        return ()
-    old = "damping by restitution needs LAMMPS of 27Jun2024 or later"
-    return (f'if "$(version) < {_RESTITUTION_SINCE}" then "print \'{old}\'" "quit 1"',)
-
-
-_RESTITUTION_SINCE = 20240627
-"""Release that has ``damping coeff_restitution``."""
-
-
 class Power(Law):
     """``A (s)+^p`` with the overlap as strain, p >= 1."""
 
@@ -133,7 +93,7 @@ class Power(Law):
     """A, in units of the scale's contact constant."""
     exponent: Pure
     """p, a number or [chain, contact]."""
-    wall = wall_of_power
+    wall = contact_lines.wall_of_power
 
     @staticmethod
     def force(s: Any, strength: Any, exponent: Any) -> Any:
@@ -156,6 +116,14 @@ class Power(Law):
         strong = np.where(np.asarray(strength) > 0.0, strength, np.inf)
         return ((exponent + 1.0) * energy / strong) ** (1.0 / (exponent + 1.0))
 
+    def overlap_under(self, load: Parameter) -> Any:
+        """Overlap at which a contact has a force, of its shape; 0 where there is no contact."""
+        return over_strength(self.strength, load) ** (1.0 / self.exponent)
+
+    def pressed_to(self, rest: Parameter) -> "PreloadedPower":
+        """Law of contacts with an overlap at rest, never quite 0, and the force there."""
+        return PreloadedPower(self.strength, self.exponent, *_power_at(self, rest))
+
     def along(self, name: str, layout: BeadLayout) -> DeckLines:
         """Linear contacts are a style of LAMMPS's own; others it has from a formula of the energy, eight times slower.
 
@@ -168,9 +136,9 @@ class Power(Law):
         if np.ndim(self.strength) > 0:
             if p != 1.0:
                 raise engine_limits.STRENGTHS.error(name, p)
-            return _granular("hooke", 1.0, self.strength, "overlap", layout)
+            return contact_lines.granular("hooke", 1.0, self.strength, "overlap", layout)
         if p == 1.0 and layout.contact_loss is not None and layout.contact_loss.each_pair:
-            return _granular("hooke", 1.0, self.strength, "overlap", layout)
+            return contact_lines.granular("hooke", 1.0, self.strength, "overlap", layout)
         if p == 1.0:
             return DeckLines(
                 interactions=(
@@ -193,70 +161,158 @@ class Power(Law):
         types = types_by_contact(kind.reshape(power.shape).astype(np.float64))
         law = [f"{words[p][0]} {text(words[p][1] * a)}" for a, p in kinds.tolist()]
         models = {pair: law[int(number)] for pair, number in types.strength.items()}
-        return _of_types(law[0], (types, models), "overlap^exponent, both by the bead types", layout)
+        return contact_lines.of_types(law[0], (types, models), "overlap^exponent, both by the bead types", layout)
 
 
-def faces(link: WallLinks, layout: BeadLayout) -> list[tuple[float, float]]:
-    """Strength of the wall of every chain, and where it stands in LAMMPS: nearer by an overlap at rest."""
-    radius, right = layout.diameter / 2.0, link.side > 0.0
-    end, law = -1 if right else 0, link.law
-    place, clear = layout.places[:, end], np.broadcast_to(link.gap - law.rest, laws.strength(law).shape)[:, end]
-    face = place + radius + clear if right else place - radius - clear
-    return list(zip(np.max(laws.strength(law), axis=1).tolist(), face.tolist(), strict=True))
+class Preloaded(Law):
+    """``A (d0 + s)+^1.5 - F0`` with ``F0 = A d0^1.5``."""
+
+    strength: Pure
+    """A, in units of the scale's contact constant."""
+    rest: Annotated[Parameter, Dimension("length")]
+    """d0, the overlap at rest."""
+    load: Annotated[Parameter, Dimension("force")]
+    """F0, to the last bit what the first term is at s = 0."""
+    exponent = 1.5
+    wall = contact_lines.wall_of_power
+
+    @staticmethod
+    def force(s: Any, strength: Any, rest: Any, load: Any) -> Any:
+        """Repulsion above that at rest; below it where the beads are farther apart."""
+        closed = np.maximum(rest + s, 0.0)
+        return strength * (closed * np.sqrt(closed)) - load
+
+    @staticmethod
+    def energy(s: Any, strength: Any, rest: Any, load: Any) -> Any:
+        """``U(d0 + s) - U(d0) - F0 s`` with ``U = 2/5 A d^2.5``, written without a difference of like numbers."""
+        closed = np.maximum(rest + s, 0.0)
+        root, base = np.sqrt(closed), np.sqrt(rest)
+        both = root + base
+        e = np.maximum(s, -rest) / np.where(both > 0.0, both, 1.0)  # root - base
+        bent = strength * (e * e * (base * (base * (3.0 * base + 4.0 * e) + 2.0 * e * e) + 0.4 * e * e * e))
+        return bent + load * np.maximum(-(rest + s), 0.0)
+
+    @staticmethod
+    def stiffness(s: Any, strength: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
+        """``3/2 A (d0 + s)+^0.5``."""
+        return strength * (1.5 * np.sqrt(np.maximum(rest + s, 0.0)))
+
+    @staticmethod
+    def max_strain(energy: Any, strength: Any, rest: Any, load: Any) -> Any:
+        """Strain at which one contact holds all of the energy; 0 where there is no contact."""
+        present = np.asarray(strength) > 0.0
+        a = np.where(present, strength, 1.0)
+        strain = _strain(energy, Preloaded(a, rest, load), (2.5 * energy / a) ** 0.4)
+        return np.where(present, strain, 0.0)
+
+    def along(self, name: str, layout: BeadLayout) -> DeckLines:
+        """LAMMPS commands of the contact itself; `lammps_inputs.static_load` subtracts the load."""
+        return Hertz(self.strength).along(name, layout)
 
 
-def wall_lines(link: WallLinks, layout: BeadLayout) -> DeckLines:
-    """Walls of the ends of the chains, with their dashpots.
+class PreloadedPower(Law):
+    """``A (d0 + s)+^p - F0`` with ``F0 = A d0^p``, p >= 1, written as ``F0 ((1 + s / d0)^p - 1)``: 0 at s = 0."""
 
-    The fixes act only on the beads that can reach the walls, for every bead of a group costs time. All beads have the
-    same radius in LAMMPS, so chains whose walls differ in strength or position have separate fixes.
+    strength: Pure
+    """A, in units of the scale's contact constant."""
+    exponent: Pure
+    """p."""
+    rest: Annotated[Parameter, Dimension("length")]
+    """d0, the overlap at rest, never quite 0."""
+    load: Annotated[Parameter, Dimension("force")]
+    """F0."""
+    wall = contact_lines.wall_of_power
+
+    @staticmethod
+    def force(s: Any, strength: Any, exponent: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
+        """Repulsion above that at rest; below it where the beads are farther apart."""
+        closer = s / np.maximum(rest, _LEAST)
+        return load * np.expm1(exponent * np.log1p(np.maximum(closer, _OPEN)))
+
+    @staticmethod
+    def energy(s: Any, strength: Any, exponent: Any, rest: Any, load: Any) -> Any:
+        """``U(d0 + s) - U(d0) - F0 s`` with ``U = A d^(p + 1) / (p + 1)``; of small strains from their series."""
+        power = exponent + 1.0
+        held = strength * np.maximum(rest + s, 0.0) ** power - strength * rest**power
+        closer = np.clip(s / np.maximum(rest, _LEAST), -_NEAR, _NEAR)
+        term = 0.5 * exponent * load * rest * closer * closer
+        series = 0.0 * term
+        for k in range(_TERMS):
+            series = series + term
+            term = term * (closer * (exponent - 1.0 - k) / (k + 3.0))
+        return np.where(np.abs(s) < _NEAR * rest, series, held / power - load * s)
+
+    @staticmethod
+    def stiffness(s: Any, strength: Any, exponent: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
+        """``p A (d0 + s)+^(p - 1)``."""
+        overlap = rest + s
+        return strength * (exponent * np.maximum(overlap, LEAST_OVERLAP) ** (exponent - 1.0)) * (overlap > 0.0)
+
+    @staticmethod
+    def max_strain(energy: Any, strength: Any, exponent: Any, rest: Any, load: Any) -> Any:
+        """Strain at which one contact holds all of the energy."""
+        alone = Power.max_strain(energy, strength, exponent)
+        return _strain(energy, PreloadedPower(strength, exponent, rest, load), alone)
+
+    def along(self, name: str, layout: BeadLayout) -> DeckLines:
+        """LAMMPS commands of the contact itself; `lammps_inputs.static_load` subtracts the load."""
+        return Power(self.strength, self.exponent).along(name, layout)
+
+
+_OPEN = -1.0 + 2.0**-53
+"""Strain over the overlap at rest of a contact that is open."""
+
+_LEAST = 1e-80
+"""In place of an overlap of 0; its third power is a number, and so is that of any overlap over it."""
+
+
+def under(law: Law, load: Parameter, grid: float) -> Any:
+    """The contact that carries a load at rest, as nearly as places that are multiples of ``grid`` allow.
+
+    Args:
+        law: law of the contact without load.
+        load: force at rest, a number or an array of the law's shape; 0 where there is none.
+        grid: distance that LAMMPS can distinguish; overlaps at rest are multiples of it, and loads follow from them.
     """
-    name, exponent, loss = link.name, link.law.exponent, link.loss
-    lost, model = ([0.0] * layout.chains, "damping velocity") if loss is None else loss.granular(layout)
-    end = layout.beads if link.side > 0.0 else 1
-    walls = [(*face, g) for face, g in zip(faces(link, layout), lost, strict=True)]
-    engine_limits.GROUPS.check(name, len(set(walls)))
-    if len(set(walls)) == 1:
-        hard, face, g = walls[0]
-        unit = "over the force of a contact" if exponent is None else f"force per overlap^{text(exponent)}"
-        strength = f"variable {name} index {text(hard)}   # {unit}"
-        dashpot = f"variable {name}_damping index {text(g)}   # {model}"
-        coefficient = "0" if loss is None else f"${{{name}_damping}}"
-        return DeckLines(
-            variables=(strength,) if loss is None else (strength, dashpot),
-            motion=(
-                f"group {name} id {end}:{layout.chains * layout.beads}:{layout.beads}",
-                *_push(name, f"v_{name}", face, coefficient, model, link, layout),
-            ),
-        )
-    lines = []
-    for number, wall in enumerate(sorted(set(walls)), 1):
-        group, (hard, face, g) = f"{name}{number}", wall
-        atoms = " ".join(str(chain * layout.beads + end) for chain, other in enumerate(walls) if other == wall)
-        coefficient = "0" if loss is None else text(g)
-        lines += [f"group {group} id {atoms}", *_push(group, text(hard), face, coefficient, model, link, layout)]
-    return DeckLines(motion=tuple(lines))
+    return law.pressed_to(plain(np.round(law.overlap_under(load) / grid) * grid))
 
 
-def _push(name: str, hard: str, face: float, g: str, model: str, link: Any, layout: BeadLayout) -> list[str]:
-    """Force of a wall on the beads of a group; LAMMPS's force of a flat wall is ``K * sqrt(radius) * overlap**1.5``.
+def pressed(law: Any, factor: float) -> Any:
+    """Law of a contact or wall under its static load times a factor."""
+    rest, load = _power_at(law, law.rest * factor ** (1.0 / law.exponent))
+    return replace(law, rest=rest, load=load)
 
-    Other powers are forces by `fix addforce`, for LAMMPS's walls of any potential take ten times as long. Their dashpot
-    is that of a contact whose stiffness is 0.
+
+def _power_at(law: Any, rest: Parameter) -> tuple[Parameter, Parameter]:
+    """Overlap at rest, never quite 0, and the force there."""
+    rest = np.maximum(rest, _LEAST) if np.ndim(rest) else max(float(rest), _LEAST)
+    return rest, law.strength * rest**law.exponent
+
+
+def over_strength(strength: Parameter, load: Parameter) -> Any:
+    """A load over the strength of its contact, of their shape; 0 where there is no contact."""
+    present = np.asarray(strength) > 0.0
+    return np.where(present, np.asarray(load) / np.where(present, strength, 1.0), 0.0)
+
+
+def plain(value: Any) -> Parameter:
+    """An array, or a number of Python's."""
+    return np.asarray(value) if np.ndim(value) else float(value)
+
+
+def _strain(energy: Any, law: Preloaded | PreloadedPower, alone: Any) -> Any:
+    """Strain at which a contact holds an energy, by Newton's method from above, where the energy is convex.
+
+    Args:
+        energy: energy of one contact.
+        law: law of the contacts.
+        alone: strain at which the contact would hold the energy without load.
     """
-    right, law, radius = link.side > 0.0, link.law, layout.diameter / 2.0
-    planes = f"NULL {text(face)}" if right else f"{text(face)} NULL"
-
-    def granular(normal: str) -> str:
-        return f"wall/gran granular {normal} {g} tangential linear_nohistory 0 0 {model} xplane {planes}"
-
-    if law.exponent == 1.5:
-        return [f"fix {name} {name} {granular(f'hertz $({hard}/{text(float(np.sqrt(radius)))}:%.17g)')}"]
-    touched = text(face - link.side * radius)
-    overlap, closed = (f"(x-{touched})", f"(x>{touched})") if right else (f"({touched}-x)", f"(x<{touched})")
-    force = law.wall(overlap, closed, hard)
-    return [
-        f"variable {name}_push atom {'-' * right}{force}",
-        f"fix {name} {name} addforce v_{name}_push 0.0 0.0",
-        *([] if g == "0" else [f"fix {name}_damping {name} {granular('hertz 0')}"]),
-    ]
+    stiff = law.stiffness(0.0, *law)
+    linear = np.sqrt(2.0 * energy / np.where(stiff > 0.0, stiff, np.inf)) + np.where(stiff > 0.0, 0.0, alone)
+    s = np.minimum(alone, linear)
+    for _ in range(_NEWTON):
+        slope = law.force(s, *law)
+        more = law.energy(s, *law) - energy
+        s = s - np.where(slope > 0.0, np.maximum(more, 0.0) / np.where(slope > 0.0, slope, 1.0), 0.0)
+    return s

@@ -14,6 +14,7 @@ import numpy as np
 
 from lammps_inputs.deck_lines import BeadLayout, DeckLines
 from lammps_inputs.laws import ContactState, Law, Parameter, Pure, plastic_lines
+from lammps_inputs.laws.contact import over_strength
 from lammps_inputs.units import Dimension
 
 YIELD_PRESSURE = 1.6
@@ -145,7 +146,13 @@ class Thornton(Law):
         tail = q / (q + 2.0 * np.sqrt(1.2 - 0.2 * square))
         return np.where(q < 1.0, np.sqrt(1.2 * np.sqrt(3.0) * (1.0 - square / 6.0)) * tail**0.25, 1.0)
 
-    def at_rest(self, rest: Parameter) -> "Thornton":
+    def overlap_under(self, load: Parameter) -> Any:
+        """Overlap at which first loading reaches a force, of its shape; 0 where there is no contact."""
+        bare = over_strength(self.strength, load)
+        beyond = (bare / np.sqrt(self.onset) + 0.5 * self.onset) / 1.5
+        return np.where(bare > self.onset**1.5, beyond, np.cbrt(bare) ** 2)
+
+    def pressed_to(self, rest: Parameter) -> "Thornton":
         """Law of contacts whose overlap at rest, a number or [chain, contact], is their largest so far."""
         alone = replace(self, largest=rest, rest=rest)
         return replace(alone, load=alone.force(0.0, *alone))

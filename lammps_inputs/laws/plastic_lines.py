@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from lammps_inputs import engine_limits, laws
 from lammps_inputs.deck_lines import BeadLayout, DeckLines, WallLinks
-from lammps_inputs.laws.contact import faces
+from lammps_inputs.laws.contact_lines import faces
 from lammps_inputs.numbers import text
 
 COLUMNS = ("d_strength1", "d_strength2", "d_onset1", "d_onset2")

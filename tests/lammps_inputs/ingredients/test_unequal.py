@@ -22,7 +22,7 @@ from lammps_inputs import file_names, find, library, physics
 from lammps_inputs.deck_lines import types_by_contact
 from lammps_inputs.decks import deck, scene_files
 from lammps_inputs.ingredients.unequal import Disorder
-from lammps_inputs.laws import contact
+from lammps_inputs.laws import contact_lines
 from lammps_inputs.limits.rates import stability_bound
 from workflow.cli import main
 from workflow.engines.reference import engine
@@ -207,7 +207,8 @@ def test_a_striker_makes_a_train_of_pulses(mass, train):
 
 def test_types_that_tell_contacts_apart_are_found_once_for_a_deck(monkeypatch):
     found = []
-    monkeypatch.setattr(contact, "types_by_contact", lambda strength: found.append(1) or types_by_contact(strength))
+    counted = lambda strength: found.append(1) or types_by_contact(strength)  # noqa: E731
+    monkeypatch.setattr(contact_lines, "types_by_contact", counted)
     scene_files.render(scene(disorder={"radius": 0.1, "seed": 7}, timestep=0.005))
     assert found == [1]
 

@@ -14,7 +14,7 @@ from small_problems import system
 
 from lammps_inputs import laws
 from lammps_inputs.laws import dashpot
-from lammps_inputs.laws.contact import Hertz, Power
+from lammps_inputs.laws.contact import Hertz, Power, pressed, under
 from lammps_inputs.laws.dashpot import (
     NO_LIMIT,
     ContactDashpot,
@@ -24,7 +24,6 @@ from lammps_inputs.laws.dashpot import (
     Viscoelastic,
     WallDashpot,
 )
-from lammps_inputs.laws.preloaded import pressed, under
 from lammps_inputs.laws.spring import Duffing, Linear
 from lammps_inputs.layout import across_of, layout_of
 from lammps_inputs.links import Wall
