@@ -68,7 +68,7 @@ class Account:
     )
     in_resonators_error: float | None = declare(
         "uncertainty of ``in_resonators``: by the error e of velocities in the run (``run_error``), 2 e sqrt(M E) + "
-        "M e^2 over the energy input, with mass M and energy E of the resonators; and that of the energy input",
+        "M e^2 over the energy input, with their mass M and energy E; and that of the energy input",
         undefined="so is ``in_resonators``, or the run was not checked",
     )
 

@@ -30,8 +30,8 @@ def shown_by_frames(problem: Problem) -> bool:
 
 
 @dataclass(frozen=True)
-class LargestOverlap:
-    """The largest overlaps that some frames show.
+class OverlapMaxima:
+    """Largest overlaps of contacts in some frames.
 
     Attributes:
         value: largest overlap of any contact, in units of L; negative where none has touched, -inf where nothing moves.
@@ -45,7 +45,7 @@ class LargestOverlap:
 
 
 @dataclass(frozen=True)
-class OverlapMeter(Meter[LargestOverlap, LargestOverlap]):
+class OverlapMeter(Meter[OverlapMaxima, OverlapMaxima]):
     """Largest overlaps in a run of all beads.
 
     Attributes:
@@ -54,7 +54,7 @@ class OverlapMeter(Meter[LargestOverlap, LargestOverlap]):
 
     problem: Problem
 
-    def of_part(self, part: Part) -> LargestOverlap:
+    def of_part(self, part: Part) -> OverlapMaxima:
         """The largest in the frames of a part."""
         block, problem = part.frames, self.problem
         system, walls = problem.system, physics.walls(problem.system)
@@ -68,16 +68,16 @@ class OverlapMeter(Meter[LargestOverlap, LargestOverlap]):
         x = block.displacement[..., moving]
         each = None if physics.one_kind(system) else np.full((problem.chains, problem.beads - 1), -math.inf)
         if x.shape[-1] < 2:
-            return LargestOverlap(-math.inf, each, at_walls)
+            return OverlapMaxima(-math.inf, each, at_walls)
         overlaps = motion.overlaps(system, x, moving.start + 1)
         if each is not None:
             each[:, moving.start : moving.start + overlaps.shape[-1]] = np.max(overlaps, axis=0)
-        return LargestOverlap(float(np.max(overlaps)), each, at_walls)
+        return OverlapMaxima(float(np.max(overlaps)), each, at_walls)
 
-    def result(self, pieces: list[LargestOverlap]) -> LargestOverlap:
+    def result(self, pieces: list[OverlapMaxima]) -> OverlapMaxima:
         """The largest in all frames."""
         each = [piece.each for piece in pieces if piece.each is not None]
-        return LargestOverlap(
+        return OverlapMaxima(
             max(piece.value for piece in pieces),
             np.max(each, axis=0) if each else None,
             np.max([piece.walls for piece in pieces], axis=0),

@@ -7,7 +7,7 @@ import numpy as np
 
 from analysis import motion
 from analysis.trajectory import Floats, Integers, Trajectory
-from lammps_inputs import physics
+from lammps_inputs import laws, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.links import Along
 from lammps_inputs.system import Noun
@@ -77,11 +77,13 @@ def labelled(block: Trajectory) -> dict[str, LabelledArray]:
     }
     if problem.rows.neighbours and problem.system.holds(Fact.OVERLAPS):
         arrays |= _of_contacts(block)
-    if block.contact_state is not None:
-        ends = np.arange(problem.beads + 1)
-        words = "largest overlap so far of the contact between beads n and n + 1, or with a wall"
+    ends = np.arange(problem.beads + 1)
+    if (states := block.states_of_contacts(ends)) is not None:
+        meaning, unit = laws.state_meaning(physics.contacts_with_state(problem.system)[0].law)
+        words = f"{meaning} of the contact between beads n and n + 1, or with a wall"
+        quantity = "" if unit == "one" else unit
         arrays["end"] = LabelledArray(("end",), ends, "number n of the bead before the contact, 0 at the left wall")
-        arrays["contact_state"] = LabelledArray(("time", "chain", "end"), block.contact_state, words, "length")
+        arrays["contact_state"] = LabelledArray(("time", "chain", "end"), states, words, quantity)
     for noun, lines in problem.system.lines_by_noun.items() if block.all_lines else ():
         arrays |= _of_others(block, noun, lines)
     return arrays

@@ -22,7 +22,7 @@ import numpy as np
 
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import System, laws, physics
-from lammps_inputs.links import Link, partners
+from lammps_inputs.links import partners
 
 
 def overlaps(system: System, displacement: Floats, first: int = 1) -> Floats:
@@ -178,20 +178,6 @@ def acceleration(
     return result
 
 
-def contact_law(block: Trajectory, link: Link, frame: Integers, chain: Integers, place: Integers) -> Any:
-    """Law of chosen links along chains or to the ground, in the state of their contacts at frames.
-
-    Args:
-        block: frames.
-        link: links.
-        frame, chain, place: [...] positions of frames, chains, and links along the last axis of their arrays, from 0.
-    """
-    law = laws.at(link.law, chain, place)
-    if block.contact_state is None or not laws.has_state(law):
-        return law
-    return laws.at_state(law, block.contact_state[frame, chain, place + physics.first_state(link)])
-
-
 def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> tuple[Floats, Floats]:
     """Second and third derivative of displacement at chosen (frame, chain, bead) positions of a block.
 
@@ -208,7 +194,7 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
         exists = (other >= 0) & (other < x.shape[2])
         other = np.where(exists, other, bead)
         for contact in system.along:
-            law = contact_law(block, contact, frame, chain, np.clip(np.minimum(row, row + side), 0, problem.beads - 2))
+            law = block.law(contact, frame, chain, np.clip(np.minimum(row, row + side), 0, problem.beads - 2))
             overlap = side * (bead_x - x[frame, chain, other]) - contact.gap
             closing = side * (bead_v - v[frame, chain, other])
             acceleration -= np.where(exists, side * laws.force(law, overlap), 0.0)
@@ -221,7 +207,7 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
                 acceleration -= laws.force(law, bead_x - other_x)  # none where a chain is its own partner
                 rate -= laws.stiffness(law, bead_x - other_x) * (bead_v - other_v)
     for ground in system.ground:
-        law, strain = contact_law(block, ground, frame, chain, row), ground.strain(bead_x)
+        law, strain = block.law(ground, frame, chain, row), ground.strain(bead_x)
         if law.varies:
             law = law.now(block.time[frame])
             rate -= law.change(strain, *law)

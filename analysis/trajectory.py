@@ -15,7 +15,8 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import Problem, System, physics
+from lammps_inputs import Problem, System, laws, physics
+from lammps_inputs.links import Link
 
 Floats = NDArray[np.float64]
 """Array of float64; the docstring of a function or field has its shape and unit.
@@ -161,6 +162,24 @@ class Trajectory:
             problem, time, displacement[:, :chains], velocity[:, :chains], first, exchange, contact_state, further
         )
 
+    @classmethod
+    def of_columns(cls, problem: Problem, time: Floats, columns: Floats) -> "Trajectory":
+        """Frames of columns as files hold them, of displacements, velocities, and `Problem.state_columns`.
+
+        Args:
+            problem: what was computed.
+            time: [frame] in units of T.
+            columns: [frame, column, chain, recorded bead].
+
+        Returns:
+            The frames.
+        """
+        states, behind = None, columns[:, 2:]
+        if behind.shape[1]:
+            walls = behind[:, 1, :, -1:] if behind.shape[1] > 1 else np.zeros_like(behind[:, 0, :, -1:])
+            states = np.concatenate([behind[:, 0], walls], axis=-1)
+        return cls(problem, time, columns[:, 0], columns[:, 1], contact_state=states)
+
     def blocks(self) -> Iterator["Trajectory"]:
         """Consecutive parts of bounded size, like those of a trajectory that is read from a file."""
         size = frames_per_block(self.problem)
@@ -251,14 +270,15 @@ class Trajectory:
         """Whether every frame determines the forces on its beads, with the states of contacts."""
         return self.problem.forces_known or (self.contact_state is not None and self.problem.rows.neighbours)
 
-    def states(self) -> Iterator[tuple[Floats, Floats, Floats | None]]:
-        """Displacements and velocities of all atoms [line, bead] in units of L and V, states of contacts, by frame.
+    def states(self) -> Iterator[tuple[Floats, ...]]:
+        """Columns of each frame as files hold them: displacements, velocities, and `Problem.state_columns`.
 
         Yields:
-            Displacement and velocity of a frame, and states [chain, bead + 1]; None where no force depends on one.
+            Displacements and velocities of all atoms, [line, bead] in units of L and V; each other [chain, bead].
         """
-        for frame, (x, v) in enumerate(zip(*self.atoms, strict=True)):
-            yield x, v, None if self.contact_state is None else self.contact_state[frame]
+        names, states = self.problem.state_columns, self.contact_state
+        columns = [] if states is None else [states[..., k : states.shape[-1] + k - 1] for k in range(len(names))]
+        yield from zip(*self.atoms, *columns, strict=True)
 
     def system_at(self, frames: slice | int | Integers, time: Floats | None = None) -> System:
         """The system at the times of some frames, or of one, or at other times, with the states of contacts of frames.
@@ -272,6 +292,34 @@ class Trajectory:
         """
         system = physics.at(self.problem.system, self.time[frames] if time is None else time)
         return system if self.contact_state is None else physics.at_contact_state(system, self.contact_state[frames])
+
+    def law(self, link: Link, frame: Integers, chain: Integers, place: Integers) -> Any:
+        """Law of chosen links along chains or to the ground, in the state of their contacts at frames.
+
+        Args:
+            link: links of the system.
+            frame: [...] positions of the frames.
+            chain: [...] positions of the chains, from 0.
+            place: [...] positions of the links along the last axis of their arrays, from 0.
+
+        Returns:
+            The law, whose parameters that differ are arrays [...].
+        """
+        law = laws.at(link.law, chain, place)
+        if self.contact_state is None or not laws.has_state(law):
+            return law
+        return laws.at_state(law, self.contact_state[frame, chain, place + physics.first_state(link)])
+
+    def states_of_contacts(self, places: int | Integers) -> Floats | None:
+        """States of some contacts of each chain, dimensionless; None where no force depends on one.
+
+        Args:
+            places: position of one contact in `contact_state`, from 0, or [place] positions.
+
+        Returns:
+            The states, [frame, chain] of one contact or [frame, chain, place], or None.
+        """
+        return None if self.contact_state is None else self.contact_state[:, :, places]
 
     def with_motion(self, time: Floats, displacement: Floats, velocity: Floats) -> "Trajectory":
         """Frames of the same beads at other times, in the states of contacts of these.
@@ -339,7 +387,7 @@ class Trajectory:
 
         return replace(self, displacement=moved(self.displacement), velocity=moved(self.velocity), first=first)
 
-    def of_columns(self, problem: Problem, columns: Integers) -> "Trajectory":
+    def recorded_in(self, problem: Problem, columns: Integers) -> "Trajectory":
         """These frames of a problem that records some of their beads, without atoms that are no beads.
 
         Args:

@@ -164,7 +164,7 @@ class DeckLines:
         beside: a second pair style with its arguments, and the lines that give its coefficients.
         heavier: variable that holds the increase of the masses over half a time step.
         damped: whether the dashpots of contacts are in the lines of these.
-        numbers: numbers of every bead, [column, chain, bead], in the data file.
+        numbers: numbers of every bead, [chain, bead], in the data file, by their names in LAMMPS.
     """
 
     variables: tuple[str, ...] = ()
@@ -178,7 +178,7 @@ class DeckLines:
     heavier: str | None = None
     beside: tuple[str, ...] = ()
     damped: bool = False
-    numbers: NDArray[np.float64] | None = None
+    numbers: dict[str, NDArray[np.float64]] | None = None
 
 
 def types_by_contact(strength: NDArray[np.float64]) -> AtomTypes:

@@ -15,6 +15,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, field_validator
 
 from lammps_inputs import physics, strict_yaml
+from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Count, Positive, ScenePart
 from lammps_inputs.system import System
 from lammps_inputs.units import Label, Scale, Unit
@@ -209,6 +210,8 @@ class Output(ScenePart):
         """
         if self.beads != "all" and self.beads[-1] > system.beads:
             raise ValueError(f"output.beads: {self.beads[-1]} is outside the array (beads 1 to {system.beads})")
+        if self.forces is not None and self.beads != "all" and not system.holds(Fact.FRAMES):
+            raise ValueError("output.beads: frames of all beads hold the memory on which forces depend; leave it out")
         if self.forces is not None:
             self.forces.refuse(system, self.beads, window=window)
         if self.spectra is not None:

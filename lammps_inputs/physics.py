@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from lammps_inputs import laws
 from lammps_inputs.facts import Fact
+from lammps_inputs.laws import Law
 from lammps_inputs.laws.dashpot import ContactLoss, WallDashpot
 from lammps_inputs.links import Across, Along, Ground, Link, Wall
 from lammps_inputs.system import System
@@ -262,6 +263,17 @@ def contacts_with_state(system: System) -> tuple[Along | Wall, ...]:
     """
     touching: tuple[Along | Wall, ...] = (*system.along, *walls(system))
     return tuple(link for link in touching if laws.has_state(link.law))
+
+
+def taken_by_state(law: Law) -> frozenset[Fact]:
+    """Facts that do not hold where the force of contacts depends on the past; none for other laws.
+
+    Raises:
+        ValueError: the law is incomplete.
+    """
+    laws.refuse_incomplete(law)
+    lost = {Fact.FRAMES, Fact.ENERGY, Fact.FRONT, Fact.REVERSIBLE}
+    return frozenset(lost if laws.has_state(law) else ())
 
 
 def first_state(link: Link) -> int:

@@ -12,8 +12,6 @@ import importlib.resources
 import re
 from typing import TYPE_CHECKING
 
-from lammps_inputs import materials
-
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
 
@@ -78,34 +76,24 @@ def _place(entry: dict[str, str]) -> str:
 
 def of_models() -> dict[str, list[str]]:
     """Laws and schemes that a scene can choose: subject -> keys of `bibtex`."""
-    from lammps_inputs.ingredients import damping, plastic
     from lammps_inputs.ingredients.registry import INGREDIENTS
 
     sources = {"contacts of spheres": [HERTZ], "`contact.exponent`": [*POWER_LAW], "`contact.strength`": [GRADED]}
     sources |= {"`contact.force`": [MAGNETS]}
     sources |= {f"`{key}`": [source] for key, source in UNEQUAL.items()}
     sources |= {f"`{key}`": [*kind.sources] for key, kind in INGREDIENTS.items() if kind.sources}
-    sources |= {f"`contact.yield`, law `{law}`": [*keys] for law, keys in plastic.SOURCES.items()}
-    sources |= {f"`damping.contact`, law `{law}`": [*keys] for law, keys in damping.SOURCES.items()}
+    chosen = [choice for kind in INGREDIENTS.values() for choice in kind.sources_of_laws.items()]
+    sources |= {f"`{key}`, law `{law}`": [*keys] for key, laws in chosen for law, keys in laws.items()}
     sources |= {f"`scheme: {name}`": [key] for name, key in SCHEMES.items()}
     return sources | {"engine LAMMPS": [LAMMPS], "reference integrator": [REFERENCE]}
 
 
 def of_scene(scene: "BaseScene") -> dict[str, list[str]]:
     """Publications that a paper on a scene cites: subject -> keys of `bibtex`."""
-    from lammps_inputs.ingredients import plastic
+    from lammps_inputs.ingredients import unequal
 
     exponent = scene.contact_scale[0]
-    sources = {"contacts": [HERTZ] if exponent == 1.5 else [*POWER_LAW]}
-    kinds = [*(scene.kinds or {}).values(), *filter(None, [scene.striker])]
-    names = [kind.material for kind in kinds] + ([scene.material.name] if scene.material else [])
-    if solids := [materials.CATALOGUE[name].source for name in names if name]:
-        sources["material"] = list(dict.fromkeys(solids))
-    if plastic.key(scene.setting) == "material.yield_strength":
-        used = [(kind.material, kind.yield_strength) for kind in kinds]
-        used += [(scene.material.name, scene.material.yield_strength)] if scene.material else []
-        named = any(name and materials.CATALOGUE[name].yield_strength == value for name, value in used if value)
-        sources["yield strength"] = [*plastic.SOURCES["thornton"], *([materials.YIELD_SOURCE] if named else [])]
+    sources = {"contacts": [HERTZ] if exponent == 1.5 else [*POWER_LAW], **unequal.cited(scene.setting)}
     sources |= {key: [source] for key, source in UNEQUAL.items() if getattr(scene, key)}
     for key, ingredient in scene.named:
         if keys := ingredient.cited():

@@ -5,7 +5,7 @@ No default depends on anything but the scene, and `Scene.resolved` fills every o
 
 import math
 from collections.abc import Iterator, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -19,7 +19,6 @@ from lammps_inputs.complaints import describe
 from lammps_inputs.deck_atoms import DeckAtoms
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients import plastic
 from lammps_inputs.ingredients.base import (
     Count,
     FurtherAtoms,
@@ -41,6 +40,7 @@ from lammps_inputs.ingredients.unequal import (
     Striker,
     Taper,
     masses_and_strengths,
+    neighbours,
 )
 from lammps_inputs.limits import solids as limits_of_material
 from lammps_inputs.limits.closing import never_closes
@@ -251,8 +251,6 @@ class BaseScene(ScenePart, metaclass=SceneType):
         for ingredient in self.ingredients:
             ingredient.refuse(setting)
         self._check_wanted()
-        forces_of_some = self.output.forces is not None and self.output.beads != "all"
-        plastic.refuse(setting, self.scheme, forces_of_some=forces_of_some)
         system = self.system
         for ingredient in self.ingredients:
             ingredient.refuse_system(setting, system)
@@ -267,8 +265,10 @@ class BaseScene(ScenePart, metaclass=SceneType):
     def _check_further_atoms(self) -> None:
         """Refuse what is not known beside lines of atoms that are no beads."""
         for key, _ in self._further_atoms:
-            if yields := plastic.key(self.setting):
-                raise ValueError(f"{yields}: contacts that yield are not known beside {key}; leave one of them out")
+            for other, ingredient in self.named:
+                if Fact.FRAMES in ingredient.lacks(self.setting):
+                    reason = ingredient.reason(other, Fact.FRAMES)
+                    raise ValueError(f"{reason} beside {key}; leave one of them out")
             if self.window is not None:
                 raise ValueError(f"window: {key} behind it keep moving; leave the window out")
 
@@ -306,8 +306,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
         wanted = self.wanted
         for key, ingredient in self.named if wanted else ():
             for fact in ingredient.lacks(self.setting) & wanted.keys():
-                reason = ingredient.why.get(fact, f"takes away that {fact.value}")
-                raise ValueError(f"{key}: {reason}; leave the {wanted[fact]} out")
+                raise ValueError(f"{ingredient.reason(key, fact)}; leave the {wanted[fact]} out")
 
     def _check_numbers(self) -> None:
         """Refuse scenes whose dimensionless numbers overflow."""
@@ -549,7 +548,9 @@ class BaseScene(ScenePart, metaclass=SceneType):
 
     @property
     def named(self) -> Iterator[tuple[str, Ingredient]]:
-        """Every ingredient of the scene, with its key."""
+        """Every ingredient of the scene, with its key; the material first."""
+        if self.material is not None:
+            yield "material", self.material
         for key in INGREDIENTS:
             named = getattr(self, key)
             for ingredient in named if isinstance(named, tuple) else () if named is None else (named,):
@@ -575,7 +576,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
         """Beads, links and kicks, dimensionless at V = 1; built once, as the scene is frozen."""
         setting, scale = self.setting, self.scale
         mass, strength = masses_and_strengths(setting)
-        law = plastic.between(setting, strength) or setting.contact_law(strength)
+        law = setting.law_between(strength, partial(neighbours, setting))
         touching = contacts(self.gap / scale.length, strength, law and laws.for_all(law, (self.chains, self.beads - 1)))
         links = [link for ingredient in self.ingredients for link in ingredient.links(setting)]
         loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(setting))
@@ -583,7 +584,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
         taken = {fact for ingredient in self.ingredients for fact in ingredient.lacks(setting)}
         taken |= {Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set()
         further_lines, ties, dashpots = together(self.chains, [atoms for _, atoms in self._further_atoms])
-        taken |= plastic.taken_away(setting, touching[0].law)
+        taken |= physics.taken_by_state(touching[0].law)
         system = System(
             chains=self.chains,
             beads=self.beads,

@@ -241,6 +241,7 @@ import numpy as np
 import lammps_here as here
 from analysis.tracking.peaks import find_peaks
 from lammps_inputs import InputError, find
+from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
 from workflow.runs.resume import resume
@@ -285,7 +286,8 @@ print(json.dumps({
     "peak": float(peaks.velocity[peaks.bead == 20][0]),
     "refused": refused,
     "rebound": [engine.run(worn, steps_per_frame=steps).velocity[-1, 0].tolist() for steps in (10, 400)],
-    "states": [engine.make_state(each, None).contact_state.size for each in (worn, find("two-chains").problem())],
+    "momentum": worn.system.holds(Fact.MOMENTUM),
+    "states": [engine.make_state(each, None).compiled.contacts.size for each in (worn, find("two-chains").problem())],
 }))
 """
 
@@ -433,6 +435,12 @@ def test_a_contact_whose_state_is_its_largest_overlap_gives_two_beads_their_rest
     assert coarse == pytest.approx([0.05, 0.95], abs=1e-5)  # the largest overlap is found within the step
     assert fine == pytest.approx([0.05, 0.95], abs=1e-8)
     assert found[1]["states"] == [3, 0]
+
+
+def test_a_contact_with_a_state_conserves_momentum(found):
+    assert found[1]["momentum"]
+    for velocities in found[1]["rebound"]:
+        assert sum(velocities) == pytest.approx(1.0, abs=1e-14)
 
 
 def test_a_contact_with_a_state_is_refused_where_it_does_not_say_where_unloading_ends(found):

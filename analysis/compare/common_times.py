@@ -63,7 +63,7 @@ def of_recorded(trajectory: Trajectory, problem: Problem) -> Trajectory:
     """
     if problem.rows.neighbours:
         return replace(trajectory, problem=problem)
-    return trajectory.of_columns(problem, trajectory.problem.rows.positions(problem.rows.numbers))
+    return trajectory.recorded_in(problem, trajectory.problem.rows.positions(problem.rows.numbers))
 
 
 def paired(first: Iterable[Trajectory], second: Iterable[Trajectory]) -> Iterator[tuple[Trajectory, Trajectory]]:

@@ -144,7 +144,7 @@ def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajec
     values = values.reshape(len(time), -1, *atom_ids(problem).shape)
     if not problem.rows.follow:
         values[:, 0] -= rest_positions(problem)
-        yield Trajectory(problem, time, values[:, 0], values[:, 1], contact_state=_contact_state(values[:, 2:]))
+        yield Trajectory.of_columns(problem, time, values)
         return
     tail = values[:, 0].min(axis=(1, 2)).astype(np.int64)
     for frames in np.split(np.arange(len(time)), np.flatnonzero(np.diff(tail)) + 1):
@@ -154,14 +154,6 @@ def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajec
             raise ValueError(f"frame {frames[0]}: its molecules are not rows of a window")
         displacement = ordered[:, 1] - row * problem.layout.spacing
         yield Trajectory(problem, time[frames], displacement, ordered[:, 2], first=int(row[0]))
-
-
-def _contact_state(columns: Floats) -> Floats | None:
-    """[frame, chain, bead + 1] from the columns of a dump; None where it has none."""
-    if not columns.shape[1]:
-        return None
-    behind, ahead = columns[:, 0], columns[:, -1] if columns.shape[1] > 1 else np.zeros_like(columns[:, 0])
-    return np.concatenate([behind, ahead[..., -1:]], axis=-1)
 
 
 def _of_all_lines(problem: Problem, time: Floats, values: Floats) -> Trajectory:
@@ -214,7 +206,7 @@ class Writer:
         self._lateral = (-width, width * problem.lines, -width, width)
         self._file = Path(path).open("wb")  # noqa: SIM115  closed by `close`
 
-    def append(self, step: int, displacement: Floats, velocity: Floats, contact_state: Floats | None = None) -> None:
+    def append(self, step: int, displacement: Floats, velocity: Floats, *columns: Floats) -> None:
         """Write one frame.
 
         Args:
@@ -222,10 +214,10 @@ class Writer:
             displacement: [line, recorded bead] in units of L, further lines of atoms after the chains
                 (`Trajectory.atoms`).
             velocity: [line, recorded bead] in units of V, with the same lines.
-            contact_state: [chain, bead + 1] states of contacts, where forces depend on them.
+            *columns: [chain, recorded bead] of each column of `Problem.state_columns`.
 
         Raises:
-            ValueError: an array has another shape.
+            ValueError: an array has another shape, or a column is missing.
         """
         rows = self._rows
         for values in (displacement, velocity):
@@ -233,9 +225,8 @@ class Writer:
                 raise ValueError(f"array of shape {values.shape}; [chain, recorded bead] is {self._shape}")
         rows[:, 1] = self._rest + displacement.ravel()[self._place]
         rows[:, 2] = velocity.ravel()[self._place]
-        for place in range(3, rows.shape[1]):
-            assert contact_state is not None
-            rows[:, place] = contact_state[:, place - 3 : contact_state.shape[1] + place - 4].ravel()
+        for place, column in zip(range(3, rows.shape[1]), columns, strict=True):
+            rows[:, place] = column.ravel()
         x = rows[:, 1]
         box = (x.min(), x.max(), *self._lateral)
         head = header(step, step * self._timestep, x.size, box, self._names)

@@ -51,7 +51,7 @@ class Probe:
 
     behind: int
     ahead: int
-    force: Callable[[Floats, Integers, Any], Floats]
+    force: Callable[[Floats, Integers, Floats | None], Floats]
     static: Floats
     loss: Callable[[Floats, Floats, Integers], Floats] | None = None
     place: int = 0
@@ -125,9 +125,9 @@ def _at_wall(system: System, link: Wall) -> Probe:
     right = link.side > 0.0
     place = system.beads - 1 if right else 0
 
-    def force(strain: Floats, chain: Integers, contact_state: Any) -> Floats:
+    def force(strain: Floats, chain: Integers, state: Floats | None) -> Floats:
         """Total force on the wall, of the strain's shape [chain, ...]."""
-        law = _at_state(laws.at(link.law, chain, place), contact_state)
+        law = laws.at_state(laws.at(link.law, chain, place), state)
         return np.asarray(laws.force(law, strain - link.gap) + law.load)
 
     static = np.broadcast_to(laws.at(link.law, np.arange(system.chains), place).load, system.chains)
@@ -137,20 +137,16 @@ def _at_wall(system: System, link: Wall) -> Probe:
 
 
 def _between(system: System, bead: int) -> Probe:
-    def force(strain: Floats, chain: Integers, contact_state: Any) -> Floats:
+    def force(strain: Floats, chain: Integers, state: Floats | None) -> Floats:
         """Total force of the contact, of the strain's shape [chain, ...]."""
         contact = np.full(chain.shape, bead - 1)
         overlap = strain - physics.gap(system) + motion.rest_overlap(system, chain, contact)
-        contact_laws = (_at_state(laws.at(link.law, chain, contact), contact_state) for link in system.along)
+        contact_laws = (laws.at_state(laws.at(link.law, chain, contact), state) for link in system.along)
         return np.asarray(sum(laws.whole_force(law, overlap) for law in contact_laws))
 
     static = np.broadcast_to(motion.static_force(system, Ellipsis, bead - 1), system.chains)
     loss = _loss(physics.contact_loss(system), bead - 1, physics.gap(system))
     return Probe(bead, bead + 1, force, static, loss, bead)
-
-
-def _at_state(law: Any, contact_state: Any) -> Any:
-    return law if contact_state is None else laws.at_state(law, contact_state)
 
 
 TOUCHING = 1e-12
@@ -188,16 +184,11 @@ def at_frames(block: Trajectory, gauges: tuple[Gauge, ...], *, dashpots: bool = 
         for probe in gauge.probes:
             strain, rate = _strain_and_rate(block, probe)
             chain = np.broadcast_to(np.arange(block.problem.chains), strain.shape)
-            reading = probe.force(strain, chain, _contact_state(block, probe))
+            reading = probe.force(strain, chain, block.states_of_contacts(probe.place))
             if dashpots and probe.loss is not None:
                 reading = reading + probe.loss(strain, rate, chain)
             force[..., place] += reading / len(gauge.probes)
     return force
-
-
-def _contact_state(block: Trajectory, probe: Probe) -> Floats | None:
-    """State of a contact, [frame, chain]; None where no force depends on one."""
-    return None if block.contact_state is None else block.contact_state[:, :, probe.place]
 
 
 class ContactFrames(NamedTuple):
@@ -214,7 +205,7 @@ class ContactFrames(NamedTuple):
         derivatives = _strain_and_rate(block, probe)
         if block.forces_known:
             derivatives.append(_acceleration(block, probe.behind) - _acceleration(block, probe.ahead))
-        return cls(np.array(derivatives), _contact_state(block, probe))
+        return cls(np.array(derivatives), block.states_of_contacts(probe.place))
 
     @classmethod
     def joined(cls, parts: Sequence["ContactFrames"]) -> "ContactFrames":

@@ -99,14 +99,14 @@ class Flow:
         default=None,
     )
     between_error: Floats | None = declare(
-        "uncertainty of ``between`` by the run (``run_error``): 2 e sqrt(M S) + M e^2 over the energy input, with its "
-        "error e of velocities, mass M of all chains and energy S in these springs; none by the time between frames",
+        "uncertainty of ``between`` by the run (``run_error``) alone: 2 e sqrt(M S) + M e^2 over the energy input, "
+        "with its error e of velocities, mass M of all chains and energy S in these springs",
         undefined="as ``between``, or the run was not checked",
         default=None,
     )
     spread_error: Floats | None = declare(
         "uncertainty of ``spread`` s by the run (``run_error``), with the distance d of beads from ``centre``: "
-        "e sqrt(M / E) times the standard deviation of d^2 over s, with mass and energy of the chain, [instant, chain]",
+        "e sqrt(M / E) times the standard deviation of d^2 over s, with mass M and energy E of the chain",
         "beads",
         "as ``centre_error``, or all of the energy is at one bead",
         default=None,

@@ -91,10 +91,10 @@ def _beside_bead(
         other = np.where(has_contact, bead + side, bead)
         contact = np.clip(np.minimum(place, place + side), 0, problem.beads - 2)
         strain = side * (x - block.displacement[at, chain, other]) - physics.gap(system)
-        law = motion.contact_law(block, system.along[0], at, chain, contact)
+        law = block.law(system.along[0], at, chain, contact)
         yield chain, other, *link(has_contact, law, physics.contact_loss(system), (chain, contact), strain)
     for wall in physics.walls(system):
-        law = motion.contact_law(block, wall, at, chain, place)
+        law = block.law(wall, at, chain, place)
         has_contact = place == (problem.beads - 1 if wall.side > 0.0 else 0)
         loss = physics.wall_loss(system, wall.side)
         yield chain, bead, *link(has_contact, law, loss, (chain, place), wall.strain(x))
@@ -138,13 +138,13 @@ def _begun(block: Trajectory, start: Integers, chain: Integers, bead: Integers, 
         closing = side * (v - block.velocity[at, chain, other])
         contact = np.clip(contact, 0, problem.beads - 2)
         forces = partial(_of_contacts, problem, chain, contact)
-        law = motion.contact_law(block, system.along[0], at, chain, contact)
+        law = block.law(system.along[0], at, chain, contact)
         off += np.where(has_contact, _pressing(law, forces, integrations, overlap, closing, block.spacing), 0.0)
         if loss := _cutting(physics.contact_loss(system), chain, contact):
             states = np.stack([overlap, closing, side * (acceleration(bead) - acceleration(other))])
             off += np.where(has_contact, _cut(law, loss, states, block.spacing, integrations), 0.0)
     for wall in physics.walls(system):
-        law = motion.contact_law(block, wall, at, chain, place)
+        law = block.law(wall, at, chain, place)
         has_contact = place == (problem.beads - 1 if wall.side > 0.0 else 0)
         overlap, closing = wall.strain(x) + law.rest, wall.rate(v)
         forces = partial(_of_wall, law, physics.wall_loss(system, wall.side), chain, place)
@@ -225,14 +225,13 @@ def _by_yielding(law: Any, overlap: Floats, closing: Floats, spacing: float) -> 
 
     They open at the permanent overlap, and their stiffness jumps where unloading begins or first loading continues.
     """
-    permanent, state, turning = law.permanent(*law), laws.contact_state(law), laws.turning_overlap(law)
-    errors = _by(partial(_of_unloading, laws.at_state(law, state[1])), 0, overlap - permanent, closing, spacing)
+    permanent, turning = law.permanent(*law), laws.turning_overlap(law)
+    errors = _by(partial(_of_unloading, law), 0, overlap - permanent, closing, spacing)
     loads = laws.loading(law, overlap, closing)
     ends, goes_on = loads[0] & ~loads[1], loads[1] & ~loads[0]
-    law = laws.at_state(law, np.where(ends, state[1], state[0]))
-    strain = laws.turning_overlap(law) - law.rest
-    up, down = (laws.stiffness(laws.on_branch(law, sign), strain) for sign in (1.0, -1.0))
-    jump, fastest, turn = np.abs(up - down), np.abs(closing).max(axis=0), np.abs(closing[0] - closing[1])
+    up, down = (laws.stiffness(laws.on_branch(law, sign), turning - law.rest) for sign in (1.0, -1.0))
+    before, after = np.abs(up - down)
+    jump, fastest, turn = np.where(ends, after, before), np.abs(closing).max(axis=0), np.abs(closing[0] - closing[1])
     with np.errstate(divide="ignore", invalid="ignore"):
         since_top = np.nan_to_num(np.abs(closing[1]) / turn)
         since_turning = np.nan_to_num((overlap[1] - turning[0]) / (fastest * spacing))
@@ -242,11 +241,14 @@ def _by_yielding(law: Any, overlap: Floats, closing: Floats, spacing: float) -> 
 
 
 def _of_unloading(law: Any, overlap: Floats, _rate: Floats) -> Forces:
-    """Exponent in time and force of contacts that have yielded, as `_of_contacts`; overlap beyond the permanent one."""
+    """Exponent in time and force of contacts that have yielded, as `_of_contacts`; overlap beyond the permanent one.
+
+    The law is that of both frames, and its force that in the states of the second.
+    """
     begins = law.permanent(*law)
-    small, large = (np.max(laws.whole_force(law, begins + much)) for much in (1e-6, 2e-6))
+    small, large = (np.max(laws.whole_force(law, begins + much)[1]) for much in (1e-6, 2e-6))
     if small > 0.0:  # else of walls that none of these beads meets
-        yield round(float(np.log2(large / small)), 2), laws.whole_force(law, begins + overlap)
+        yield round(float(np.log2(large / small)), 2), laws.whole_force(law, begins + overlap)[1]
 
 
 def _of_contacts(problem: Problem, chain: Integers, contact: Integers, overlap: Floats, rate: Floats) -> Forces:

@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from lammps_inputs import engine_limits, file_names, laws, loads, physics, scheme, static_load, window
 from lammps_inputs.deck_lines import AtomTypes, BeadLayout, DeckLines
-from lammps_inputs.laws import dashpot, plastic_lines, spring
+from lammps_inputs.laws import dashpot, spring
 from lammps_inputs.laws.contact_lines import wall_lines
 from lammps_inputs.layout import across_of, layout_of, wall_of
 from lammps_inputs.links import Across, Along, Link, Wall
@@ -293,12 +293,11 @@ def _mass_lines(problem: Problem) -> list[str]:
 
 def number_fix(problem: Problem) -> list[str]:
     """Fix that holds numbers of every bead; none where no law has them."""
-    if _numbers(problem) is None:
-        return []
-    return ["fix numbers all property/atom " + " ".join(plastic_lines.COLUMNS)]
+    numbers = _numbers(problem)
+    return [] if numbers is None else ["fix numbers all property/atom " + " ".join(numbers)]
 
 
-def _numbers(problem: Problem) -> NDArray[np.float64] | None:
+def _numbers(problem: Problem) -> dict[str, NDArray[np.float64]] | None:
     return next((lines.numbers for lines in link_lines(problem) if lines.numbers is not None), None)
 
 
@@ -485,5 +484,6 @@ def _number_lines(problem: Problem) -> Iterator[str]:
     if (numbers := _numbers(problem)) is None:
         return
     yield "\nNumbers\n\n"
-    for atom, row in enumerate(np.moveaxis(numbers, 0, -1).reshape(-1, len(numbers)).tolist(), 1):
+    rows = np.stack([*numbers.values()], axis=-1).reshape(-1, len(numbers))
+    for atom, row in enumerate(rows.tolist(), 1):
         yield f"{atom} {' '.join(map(text, row))}\n"

@@ -87,9 +87,14 @@ class Setting:
         return f"{key}[{number}]" if len(alike) > 1 else key
 
     def contact_law(self, strength: Parameter) -> Law | None:
-        """The dimensionless law of contacts of this strength (`Ingredient.contact_law`); None where it is Hertz's."""
+        """The dimensionless law of contacts by their strength alone (`Ingredient.contact_law`); None without one."""
         named = (ingredient.contact_law(strength) for _, ingredient in self.named)
         return next((dimensionless(law, self.scale) for law in named if law is not None), None)
+
+    def law_between(self, strength: Parameter, solids: "Callable[[], Solids]") -> Law | None:
+        """The dimensionless law of the contacts of solids (`Ingredient.law_between`); None where it is Hertz's."""
+        named = (ingredient.law_between(self, strength, solids) for _, ingredient in self.named)
+        return next((law for law in named if law is not None), None)
 
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -151,6 +156,20 @@ def in_rows(values: Any, rows: tuple[int, int] | None, shape: tuple[int, ...]) -
     if rows is not None:
         table[..., : rows[0] - 1] = table[..., rows[1] :] = 0.0
     return table
+
+
+class Solids(NamedTuple):
+    """Two solids in contact, as two equal beads whose contact is theirs, in those of the reference bead.
+
+    Attributes:
+        radius: radius of these beads, a number or an array over contacts, as all that follows.
+        modulus: plane modulus E / (1 - nu^2) of these beads.
+        softer: lower yield strength of the two solids.
+    """
+
+    radius: Parameter
+    modulus: Parameter
+    softer: Parameter
 
 
 class FurtherAtoms(NamedTuple):
@@ -227,6 +246,8 @@ class Ingredient(ScenePart):
     """Whether a scene may have a list of them."""
     sources: ClassVar[tuple[str, ...]] = ()
     """Publications of its model, keys of `references.bib`."""
+    sources_of_laws: ClassVar[dict[str, dict[str, tuple[str, ...]]]] = {}
+    """Publications of the laws that its keys choose: key, such as ``damping.contact`` -> law -> keys."""
 
     @classmethod
     def from_files(cls, value: Any, folder: Path) -> Any:  # noqa: ARG003
@@ -265,6 +286,17 @@ class Ingredient(ScenePart):
         """
         return None
 
+    def law_between(self, setting: Setting, strength: Parameter, solids: Callable[[], Solids]) -> Law | None:  # noqa: ARG002
+        """The dimensionless law of the contacts of solids, those between beads or with a wall; None where it has none.
+
+        Args:
+            setting: the scene that it is part of.
+            strength: strength over that of two reference beads, a number or an array over contacts.
+            solids: gives the solids in contact, to a law that depends on more than the strength.
+        """
+        law = self.contact_law(strength)
+        return None if law is None else dimensionless(law, setting.scale)
+
     def contact_scale(self) -> tuple[float, float | None] | None:
         """Exponent p and constant A of a force ``A overlap**p`` by which lengths are measured; without A the usual one.
 
@@ -292,6 +324,10 @@ class Ingredient(ScenePart):
     def lacks(self, setting: Setting) -> frozenset[Fact]:
         """Facts that no longer hold in this scene."""
         return self.takes_away if self.links(setting) else frozenset()
+
+    def reason(self, key: str, fact: Fact) -> str:
+        """Key and reason for a fact that it removes, in words for users who ask for what needs the fact."""
+        return f"{key}: {self.why.get(fact, f'takes away that {fact.value}')}"
 
     def speed(self, mass: float) -> float:  # noqa: ARG002
         """Speed of a bead of this mass that it sets in motion, in the scene's units: a measure of V."""

@@ -9,6 +9,7 @@ Yang, Phil. Trans. R. Soc. A 376, 20170136, 2018).
 """
 
 import math
+from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -18,7 +19,7 @@ from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import base, plastic
-from lammps_inputs.ingredients.base import Phase, Positive, Rows, ScenePart, Seed, Setting, Spread
+from lammps_inputs.ingredients.base import Phase, Positive, Rows, ScenePart, Seed, Setting, Solids, Spread
 from lammps_inputs.ingredients.by_formula import MOST_EXPONENT, ByFormula, formulas
 from lammps_inputs.ingredients.unequal import sizes_and_moduli
 from lammps_inputs.laws import Law, Parameter
@@ -164,6 +165,7 @@ class Contact(ByFormula):
     why: ClassVar[dict[Fact, str]] = {
         Fact.REVERSIBLE: "contacts of an exponent below 1.5 open and close so abruptly that suzuki4 gains nothing",
     }
+    sources_of_laws: ClassVar[dict[str, dict[str, tuple[str, ...]]]] = {"contact.yield": plastic.SOURCES}
 
     exponent: Annotated[Exponent, Label("contact exponent", "p")] = HERTZ
     """Exponent p, or a list with one for each contact; in reduced units and without `stiffness`."""
@@ -216,6 +218,8 @@ class Contact(ByFormula):
             raise ValueError("contact.stiffness: the material determines it for contacts of exponent 1.5; leave it out")
         if setting.material is not None and self._power != HERTZ and self.stiffness is None:
             raise ValueError(f"contact.stiffness: is missing; the force at an overlap of 1 m, in N/m^{self._power:g}")
+        if self.yields is not None:
+            self.yields.refuse(setting)
 
     @property
     def yields(self) -> plastic.Yield | None:
@@ -313,6 +317,17 @@ class Contact(ByFormula):
             return Power(strength * np.ones_like(self._powers), self._powers)
         return Hertz(strength) if exponent == HERTZ else Power(strength, exponent)
 
+    def law_between(self, setting: Setting, strength: Parameter, solids: Callable[[], Solids]) -> Law | None:
+        """Law of the contacts, those that yield included."""
+        if self.yields is not None:
+            return self.yields.law_of(setting, strength, solids)
+        return super().law_between(setting, strength, solids)
+
+    def reason(self, key: str, fact: Fact) -> str:
+        """Key and reason for a fact that it removes: by the exponent, or because contacts yield."""
+        by_exponent = self.yields is None or (self.yields.linear and fact in self.why)
+        return super().reason(key, fact) if by_exponent else f"{key}.yield: {plastic.WHY[fact]}"
+
     def cited(self) -> tuple[str, ...]:
         """Publications of the profile, of a law that yields, and of exponents that differ."""
         law: tuple[str, ...] = () if self.yields is None else plastic.SOURCES[self.yields.law]
@@ -371,4 +386,5 @@ class Contact(ByFormula):
         if not self._cut:
             return frozenset({Fact.SONIC_VACUUM, Fact.FRONT, Fact.PULSE})
         taken = {Fact.REVERSIBLE} if exponent < HERTZ else set()
+        taken |= set() if self.yields is None else plastic.WHY.keys()
         return frozenset(taken | {Fact.PULSE} if exponent < LEAST_OF_PULSES else taken)

@@ -69,6 +69,7 @@ class Damping(Ingredient):
         Fact.FRONT: "a window restarts with forces from velocities other than those of half a step before",
         Fact.REVERSIBLE: "suzuki4 has steps backwards in time, in which dashpots would give",
     }
+    sources_of_laws: ClassVar[dict[str, dict[str, tuple[str, ...]]]] = {"damping.contact": SOURCES}
 
     contact: Annotated[Annotated[NotNegative, Unit(_of_law)] | None, Label("contact damping")] = None
     """Coefficient gamma of the contacts; of the law `restitution` the coefficient of restitution e, 0 to 1."""

@@ -1,15 +1,19 @@
 """Material of the beads, with which every number of a scene is in SI units."""
 
+from collections.abc import Callable
 from typing import Annotated, Any, ClassVar
 
 from pydantic import ConfigDict, Field, model_validator
 
 from lammps_inputs import materials
-from lammps_inputs.ingredients.base import Positive, ScenePart
+from lammps_inputs.facts import Fact
+from lammps_inputs.ingredients import plastic
+from lammps_inputs.ingredients.base import Ingredient, Positive, Setting, Solids
+from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.units import PURE, Label, Unit
 
 
-class Material(ScenePart):
+class Material(Ingredient):
     """Elastic spheres in SI units; with it every other number of the scene is in SI."""
 
     model_config = ConfigDict(
@@ -40,3 +44,35 @@ class Material(ScenePart):
     @classmethod
     def _completed(cls, keys: Any) -> Any:
         return materials.completed(keys, "name")
+
+    def refuse(self, setting: Setting) -> None:
+        """Refuse what is not known of beads with a yield strength, whose contacts are those of spheres."""
+        contact, key = setting.part("contact"), "material.yield_strength"
+        if self.yield_strength is None:
+            return
+        if contact is not None and contact.yields is not None:
+            raise ValueError("contact.yield: material.yield_strength makes the contacts yield; leave one of them out")
+        if setting.contact_scale[0] != 1.5 or (contact is not None and contact.force is not None):
+            raise ValueError(f"contact: other contacts than spheres, which alone yield by {key}; leave one of them out")
+        plastic.refuse_at_once(key, self._onset(setting), "; is it in Pa?")
+        plastic.refuse(setting, of_spheres=True)
+
+    def lacks(self, setting: Setting) -> frozenset[Fact]:  # noqa: ARG002
+        """Facts that no longer hold where the beads have a yield strength."""
+        return frozenset() if self.yield_strength is None else frozenset(plastic.WHY)
+
+    def reason(self, key: str, fact: Fact) -> str:
+        """Key of the yield strength, and the reason why a fact does not hold."""
+        return f"{key}.yield_strength: {plastic.WHY[fact]}"
+
+    def law_between(self, setting: Setting, strength: Parameter, solids: Callable[[], Solids]) -> Law | None:
+        """Law of contacts that yield; None of elastic beads."""
+        if self.yield_strength is None:
+            return None
+        return plastic.law_of_spheres(self._onset(setting), strength, solids())
+
+    def _onset(self, setting: Setting) -> float:
+        """Overlap at which two of the beads yield, dimensionless."""
+        assert self.yield_strength is not None
+        constants = self.radius, self.youngs_modulus, self.poisson_ratio, self.yield_strength
+        return plastic.overlap_at_yield(*constants) / setting.scale.length

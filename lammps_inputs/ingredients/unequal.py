@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
 from lammps_inputs import materials
+from lammps_inputs.ingredients import plastic
 from lammps_inputs.ingredients.base import (
     Count,
     Positive,
     ScenePart,
     Seed,
     Setting,
+    Solids,
     Spread,
     refuse_other_count,
     refuse_outside,
@@ -78,6 +80,14 @@ class BeadKind(ScenePart):
                 raise ValueError(f"{key}.{name}: {word}")
         if self.mass is not None and self.density is not None:
             raise ValueError(f"{key}.mass: give either mass or density (both are given)")
+        yields = material is not None and material.yield_strength is not None
+        if self.yield_strength is not None and not yields:
+            raise ValueError(f"{key}.yield_strength: needs `material.yield_strength`, too")
+        other = self.material is not None or self.youngs_modulus is not None
+        if self.yield_strength is None and yields and other:
+            raise ValueError(
+                f"{key}.yield_strength: is missing beside material.yield_strength; a number (Pa) or catalogue"
+            )
 
     def relative(self, material: Material | None) -> tuple[float, float, float, float]:
         """Mass, radius, plane modulus and yield strength in those of the reference bead."""
@@ -234,10 +244,29 @@ def modulus(setting: Setting, bead: int) -> float | Floats:
     return _beads(setting)[2][:, bead] if unlike(setting) else 1.0
 
 
-def yield_strengths(setting: Setting) -> float | Floats:
-    """Yield strength of the beads, [chain, bead], in the reference bead's; 1 where all are the same."""
-    strengths = _beads(setting)[3]
-    return 1.0 if np.all(strengths == 1.0) else strengths
+def softness(setting: Setting, bead: int) -> float | Floats:
+    """Yield strength of a bead (from 0, or the end) of every chain, [chain], in the reference bead's."""
+    return _beads(setting)[3][:, bead] if unlike(setting) else 1.0
+
+
+def neighbours(setting: Setting) -> Solids:
+    """Neighbouring beads of the chains in contact, [chain, contact]; numbers where all beads are the same."""
+    soft = _beads(setting)[3] if unlike(setting) else np.ones((1, 2))
+    return Solids(*sizes_and_moduli(setting), number_or_array(np.minimum(soft[:, :-1], soft[:, 1:])))
+
+
+def cited(setting: Setting) -> dict[str, list[str]]:
+    """Publications of the constants and of the yield strengths of the beads: subject -> keys of `references.bib`."""
+    ball, striker = setting.material, setting.part("striker")
+    beads = [*(setting.part("kinds") or {}).values(), *([] if striker is None else [striker])]
+    named = [(bead.material, bead.yield_strength) for bead in beads]
+    named += [] if ball is None else [(ball.name, ball.yield_strength)]
+    solids = [(materials.CATALOGUE[name], strength) for name, strength in named if name]
+    sources = {"material": list(dict.fromkeys(solid.source for solid, _ in solids))} if solids else {}
+    if ball is not None and ball.yield_strength is not None:
+        listed = any(strength and strength == solid.yield_strength for solid, strength in solids)
+        sources["yield strength"] = [*plastic.SOURCES["thornton"], *([materials.YIELD_SOURCE] if listed else [])]
+    return sources
 
 
 def _refuse(setting: Setting) -> None:

@@ -11,7 +11,8 @@ Examples:
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -19,11 +20,10 @@ from numpy.typing import NDArray
 
 from lammps_inputs import laws, materials
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients import plastic
-from lammps_inputs.ingredients.base import Ingredient, Positive, ScenePart, Setting
+from lammps_inputs.ingredients.base import Ingredient, Positive, ScenePart, Setting, Solids
 from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.ingredients.unequal import BeadKind as Bead
-from lammps_inputs.ingredients.unequal import modulus, radii, unlike, with_its_like, yield_strengths
+from lammps_inputs.ingredients.unequal import modulus, radii, softness, unlike, with_its_like
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.contact import Hertz
 from lammps_inputs.links import Wall
@@ -109,16 +109,14 @@ class Walls(Ingredient):
             if kind is not None:
                 strength = np.zeros((setting.chains, setting.beads))
                 strength[:, last] = _strength(kind, setting, last)
-                law = _yielding(kind, strength, setting, last) or _law(key, strength, setting)
+                law = _law(key, strength, setting, partial(_solids, kind, setting, last))
                 gap = setting.gap / setting.scale.length
                 walls.append(Wall(f"{key}_wall", law, side, gap, curved=kind == "bead"))
         return tuple(walls)
 
 
-def _yielding(kind: Kind, strength: NDArray[np.float64], setting: Setting, bead: int) -> Law | None:
-    """Law of a wall beside a bead (from 0, or the end) whose contacts yield; None where contacts are elastic."""
-    if not plastic.key(setting):
-        return None
+def _solids(kind: Kind, setting: Setting, bead: int) -> Solids:
+    """A wall and a bead (from 0, or the end) of each chain in contact, [chain, bead]; 1 at other beads."""
     radius, plane_modulus, soft = np.ones((3, setting.chains, setting.beads))
     radius[:, bead] = 2.0 if kind != "bead" else 1.0
     if unlike(setting):
@@ -129,18 +127,17 @@ def _yielding(kind: Kind, strength: NDArray[np.float64], setting: Setting, bead:
     elif isinstance(kind, Face) and kind.material is not None:
         block = Bead(material=kind.material).relative(setting.material)[2]
         plane_modulus[:, bead] *= 2.0 * block / (block + plane_modulus[:, bead])
-    strengths = yield_strengths(setting)
-    soft[:, bead] = strengths if np.ndim(strengths) == 0 else strengths[:, bead]  # type: ignore[index]
-    return plastic.law_of(setting, strength, radius, plane_modulus, soft)
+    soft[:, bead] = softness(setting, bead)
+    return Solids(radius, plane_modulus, soft)
 
 
-def _law(key: str, strength: NDArray[np.float64], setting: Setting) -> Law:
+def _law(key: str, strength: NDArray[np.float64], setting: Setting, solids: Callable[[], Solids]) -> Law:
     """Law of the contacts, with this strength.
 
     Raises:
         ValueError: it does not vanish where the strength is 0.
     """
-    law = setting.contact_law(strength) or Hertz(strength)
+    law = setting.law_between(strength, solids) or Hertz(strength)
     with np.errstate(all="ignore"):
         if not np.all(np.isfinite(law.max_strain(1.0, *law))):
             raise ValueError(

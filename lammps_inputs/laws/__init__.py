@@ -231,6 +231,8 @@ class ContactState:
 
     heading: ClassVar[str]
     """Variable of LAMMPS that holds the state of the contact behind each bead, and the heading of its column."""
+    meaning: ClassVar[str] = "state"
+    """What the state is, in words."""
 
     def turning_overlap(self, state: Any) -> Any:
         """Overlap, [...], at which unloading began, and beyond which first loading continues."""
@@ -303,13 +305,21 @@ def contact_state(law: Any) -> Any:
 
 
 def at_state(law: Any, state: Any) -> Any:
-    """The law at another state of its contacts; unchanged for a law without one."""
-    return replace(law, **{state_name(law): state}) if has_state(law) else law
+    """The law at another state of its contacts; unchanged without a state, or for a law that has none."""
+    return replace(law, **{state_name(law): state}) if state is not None and has_state(law) else law
 
 
 def state_heading(law: Any) -> str:
     """Heading of the column of frames that holds the state of the contact behind each bead, of a law that has one."""
     return _kind_of_state(law).heading
+
+
+def state_meaning(law: Any) -> tuple[str, str]:
+    """What the state of contacts is, in words, and its unit of `Scale`: ``one`` for a number; of a law that has one."""
+    kind = type(law)
+    dimension = dimension_of(get_type_hints(kind, include_extras=True)[state_name(law)])
+    assert dimension is not None
+    return _kind_of_state(law).meaning, dimension.unit
 
 
 def turning_overlap(law: Any) -> Any:

@@ -31,7 +31,7 @@ ROUNDING = 1e-9
 class LargestSoFar(ContactState):
     """Largest overlap so far, as the state of a contact: beyond it first loading continues, below it unloads."""
 
-    heading = "v_memory"
+    heading, meaning = "v_memory", "largest overlap so far"
 
     def turning_overlap(self, state: Any) -> Any:
         """Overlap, [...], at which unloading began: the state itself."""
@@ -129,6 +129,23 @@ class Thornton(Law):
         """Overlap at which unloading ends, delta_r."""
         return np.maximum(largest, onset) - _unloading(np.maximum(largest, onset), onset, largest)[0]
 
+    @staticmethod
+    def restitution_at(velocity: Any, yield_velocity: Any) -> Any:
+        """Restitution of two spheres that meet at a velocity, [...]; 1 up to that at which they yield.
+
+        Args:
+            velocity: [...] relative velocity with which they approach.
+            yield_velocity: that from which they yield, ``(0.8 A delta_y^2.5 / mu)^0.5`` with the reduced mass.
+
+        Examples:
+            >>> Thornton.restitution_at(np.array([0.5, 1.0, 10.0]), yield_velocity=1.0).round(3)
+            array([1.   , 1.   , 0.659])
+        """
+        q = np.minimum(np.asarray(yield_velocity) / velocity, 1.0)
+        square = q * q
+        tail = q / (q + 2.0 * np.sqrt(1.2 - 0.2 * square))
+        return np.where(q < 1.0, np.sqrt(1.2 * np.sqrt(3.0) * (1.0 - square / 6.0)) * tail**0.25, 1.0)
+
     def overlap_under(self, load: Parameter) -> Any:
         """Overlap at which first loading reaches a force, of its shape; 0 where there is no contact."""
         bare = over_strength(self.strength, load)
@@ -203,23 +220,6 @@ class WaltonBraun(Law):
     def permanent(strength: Any, restitution: Any, largest: Any) -> Any:  # noqa: ARG004
         """Overlap at which unloading ends."""
         return (1.0 - restitution * restitution) * np.maximum(largest, 0.0)
-
-
-def restitution_of(velocity: Any, yield_velocity: Any) -> Any:
-    """Restitution of two spheres that meet at a velocity, by Thornton's law; 1 up to that at which they yield.
-
-    Args:
-        velocity: relative velocity with which they approach.
-        yield_velocity: relative velocity from which they yield, ``(0.8 A delta_y^2.5 / mu)^0.5`` with the reduced mass.
-
-    Examples:
-        >>> restitution_of(np.array([0.5, 1.0, 10.0]), yield_velocity=1.0).round(3)
-        array([1.   , 1.   , 0.659])
-    """
-    q = np.minimum(np.asarray(yield_velocity) / velocity, 1.0)
-    square = q * q
-    tail = q / (q + 2.0 * np.sqrt(1.2 - 0.2 * square))
-    return np.where(q < 1.0, np.sqrt(1.2 * np.sqrt(3.0) * (1.0 - square / 6.0)) * tail**0.25, 1.0)
 
 
 def _unloading(d: Any, onset: Any, largest: Any) -> tuple[Any, Any]:

@@ -142,12 +142,12 @@ def _walls(layout: BeadLayout) -> list[WallLinks]:
     return [wall for wall in layout.walls if laws.has_state(wall.law)]
 
 
-def _columns(law: Any, layout: BeadLayout) -> NDArray[np.float64]:
-    """[column, chain, bead] `COLUMNS`; a strength of 0 where there is no contact."""
+def _columns(law: Any, layout: BeadLayout) -> dict[str, NDArray[np.float64]]:
+    """Numbers of `COLUMNS`, each [chain, bead]; a strength of 0 where there is no contact."""
     table = _strength_and_onset(law, layout)
     odd, before, behind = np.arange(layout.beads) % 2 == 1, table[..., :-1], table[..., 1:]
     pairs = np.stack([np.where(odd, before, behind), np.where(odd, behind, before)], axis=1)
-    return pairs.reshape(4, layout.chains, layout.beads)
+    return dict(zip(COLUMNS, pairs.reshape(4, layout.chains, layout.beads), strict=True))
 
 
 def _strength_and_onset(law: Any, layout: BeadLayout) -> NDArray[np.float64]:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Self
 
-from analysis.contacts import LargestOverlap, OverlapMeter, overlap_meter
+from analysis.contacts import OverlapMaxima, OverlapMeter, overlap_meter
 from analysis.sharing.survey import Survey
 from workflow.measures.measurement import Measurement, Recorded
 from workflow.runs.contacts import LargestContactForce, has_contacts, of_overlap
@@ -28,7 +28,7 @@ class ContactMeasurement(Measurement):
         return overlap_meter(run.problem) if has_contacts(run.scene, run.problem) else None
 
     @classmethod
-    def of_run(cls, run: Recorded, survey: Survey, measured: LargestOverlap | None) -> Self | None:
+    def of_run(cls, run: Recorded, survey: Survey, measured: OverlapMaxima | None) -> Self | None:
         """The largest contact force; where frames do not show overlaps, the largest possible one."""
         del survey
         force = of_overlap(run.scene, measured) if has_contacts(run.scene, run.problem) else None

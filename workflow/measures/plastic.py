@@ -1,7 +1,6 @@
 """Contacts that yield: largest force and overlap of each, permanent overlap, and the energy dissipated.
 
-Plug-ins take this module to measure contacts that yield: a `YieldMeter` gives what the contacts of a run keep at the
-end, and a table of them.
+A `YieldMeter` gives what the contacts of a run keep at the end, and a table of them.
 
 Examples:
     >>> problem = granchain.load("plastic-contacts").problem()

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.contacts import LargestOverlap, overlap_meter
+from analysis.contacts import OverlapMaxima, overlap_meter
 from analysis.quantity import declare, result
 from lammps_inputs import Problem, Scene, System, laws, physics
 from lammps_inputs.facts import Fact
@@ -84,7 +84,7 @@ def at_most(scene: Scene) -> LargestContactForce | None:
     return _contacts(scene, high, walls, measured=False)
 
 
-def of_overlap(scene: Scene, largest: LargestOverlap | None) -> LargestContactForce | None:
+def of_overlap(scene: Scene, largest: OverlapMaxima | None) -> LargestContactForce | None:
     """The largest contact force by the frames, or `at_most` where they do not show it; None without a material."""
     if largest is None:
         return at_most(scene)

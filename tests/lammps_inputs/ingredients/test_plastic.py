@@ -3,6 +3,8 @@
 import json
 import math
 from dataclasses import replace
+from functools import partial
+from typing import Annotated
 
 import numpy as np
 import pytest
@@ -15,11 +17,17 @@ from wrong_runs import deck_run, substituted
 
 from analysis import motion
 from analysis.conservation import ConservationMeter
+from analysis.files.recording import Writer
 from analysis.gauges.gauge import at_frames, gauges
+from analysis.labelled import labelled
 from analysis.tracking.peaks import find_peaks
+from analysis.trajectory import Trajectory
 from lammps_inputs import laws, library, materials, physics, references
 from lammps_inputs.decks import deck
-from lammps_inputs.laws.plastic import LargestOverlap, Thornton, WaltonBraun, restitution_of
+from lammps_inputs.ingredients.base import Ingredient
+from lammps_inputs.ingredients.unequal import neighbours
+from lammps_inputs.laws.contact import Hertz
+from lammps_inputs.laws.plastic import LargestOverlap, Thornton, WaltonBraun
 from lammps_inputs.library import render_scene
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
@@ -50,7 +58,7 @@ def separation(case, steps=8):
 def test_two_beads_have_the_published_restitution(velocity, restitution):
     found = separation(plastic(kick={"velocity": velocity}, duration=20.0 / velocity**0.2), 64)
     assert found == pytest.approx(restitution, abs=2e-7)
-    assert restitution_of(velocity, math.sqrt(1.6 * 0.1**2.5)) == pytest.approx(restitution, abs=6e-8)
+    assert Thornton.restitution_at(velocity, math.sqrt(1.6 * 0.1**2.5)) == pytest.approx(restitution, abs=6e-8)
 
 
 def test_restitution_over_four_decades_of_velocity_is_thornton_s_closed_form():
@@ -59,7 +67,7 @@ def test_restitution_over_four_decades_of_velocity_is_thornton_s_closed_form():
             kick={"velocity": float(velocity)}, timestep=None, output={}, duration=8.0 / float(velocity) ** 0.2
         )
         found = separation(case, 64)
-        assert found == pytest.approx(float(restitution_of(velocity, math.sqrt(1.6 * 0.1**2.5))), abs=1e-5)
+        assert found == pytest.approx(float(Thornton.restitution_at(velocity, math.sqrt(1.6 * 0.1**2.5))), abs=1e-5)
 
 
 def test_a_scene_of_walton_and_braun_s_law_is_read_as_it_is_written():
@@ -96,7 +104,7 @@ def test_peaks_between_frames_are_within_their_uncertainty_those_of_frames_twent
 
 
 def test_the_top_of_an_overlap_is_found_within_the_step_to_third_order():
-    exact, steps = float(restitution_of(1.0, math.sqrt(1.6 * 0.1**2.5))), np.array([2, 8, 32])
+    exact, steps = float(Thornton.restitution_at(1.0, math.sqrt(1.6 * 0.1**2.5))), np.array([2, 8, 32])
     error = [np.mean([abs(separation(plastic(gap=gap), int(n)) - exact) for gap in (0.0, 0.013, 0.037)]) for n in steps]
     assert -np.polyfit(np.log(steps), np.log(error), 1)[0] > 2.4  # contacts that open allow no more than 2.5
 
@@ -115,6 +123,31 @@ def test_walls_and_unlike_beads_yield_at_the_overlap_of_their_own_radius_and_mod
     assert system.along[0].law.onset == pytest.approx(0.1 * (2 / 3) / (4 / 3) ** 2)
     onset = system.ground[0].law.onset[0, -1]
     assert onset == pytest.approx(0.1 * 0.5 * size / (2.0 * modulus) ** 2)
+
+
+class Sized(Ingredient):
+    """Contacts as strong as their solids are large, which a user's own ingredient may make."""
+
+    def law_between(self, setting, strength, solids):  # noqa: ARG002
+        return Hertz(strength * solids().radius)
+
+
+def test_an_ingredient_makes_contacts_and_walls_of_a_law_that_depends_on_the_solids():
+    case = plastic(None, kinds={"a": {}, "b": {"radius": 0.25}}, pattern=["a", "b"], beads=4, walls={"right": "flat"})
+    setting = replace(case.setting, named=(*case.setting.named, ("sized", Sized())))
+    np.testing.assert_allclose(setting.law_between(1.0, partial(neighbours, setting)).strength, 0.4, rtol=1e-15)
+    (wall,) = case.walls.links(setting)
+    assert wall.law.strength[0, -1] == pytest.approx(2.0 * 0.25 * case.walls.links(case.setting)[0].law.strength[0, -1])
+
+
+def test_solids_are_computed_only_for_laws_that_depend_on_them():
+    def computed():
+        raise AssertionError
+
+    for contact in (None, {"exponent": 2.0}, WALTON):
+        assert plastic(contact).setting.law_between(1.0, computed) == plastic(contact).setting.law_between(1.0, None)
+    with pytest.raises(AssertionError):
+        plastic().setting.law_between(1.0, computed)
 
 
 def test_a_named_metal_yields_at_the_strength_of_the_catalogue_only_where_the_scene_asks_for_it():
@@ -174,6 +207,62 @@ def test_the_state_of_a_law_is_the_parameter_that_declares_it_whatever_its_name_
     assert law == Softened(softness=0.5)
     assert laws.state_name(law) == "softness"
     assert laws.turning_overlap(law) == 0.5
+
+
+class Damage(laws.ContactState):
+    """Share of the stiffness that is gone."""
+
+    heading, meaning = "v_damage", "damage"
+
+
+class Damaged(Softened):
+    """A law whose state is a number without unit."""
+
+    softness: Annotated[laws.Pure, Damage()] = 0.0
+
+
+def frames_of_a_contact_with(law):
+    """Two frames of two beads at rest, whose contact is in the states 0 and 0.25."""
+    problem = plastic().problem()
+    links = (replace(problem.system.along[0], law=law),)
+    problem, still = replace(problem, system=replace(problem.system, links=links)), np.zeros((2, 1, 2))
+    states = np.array([[[0.0, 0.0, 0.0]], [[0.0, 0.25, 0.0]]])
+    return Trajectory(problem, np.arange(2.0), still, still, contact_state=states)
+
+
+@pytest.mark.parametrize(
+    ("law", "words", "unit"),
+    [(Thornton(1.0, 0.1), "largest overlap so far of the contact", "length"), (Damaged(), "damage of the contact", "")],
+    ids=["overlap", "damage"],
+)
+def test_labelled_states_of_contacts_have_the_words_and_the_unit_of_their_law(law, words, unit):
+    frames = frames_of_a_contact_with(law)
+    # beads that are not all recorded have no overlaps and forces, which these laws do not compute
+    found = labelled(replace(frames, problem=replace(frames.problem, rows=frames.problem.rows.only((1,)))))
+    state = found["contact_state"]
+    assert state.long_name.startswith(words)
+    assert state.quantity == unit
+    assert state.values[1, 0].tolist() == [0.0, 0.25, 0.0]
+
+
+def test_frames_are_made_again_from_the_columns_that_they_give():
+    for walls in (None, {"right": "rigid"}, {"left": "bead", "right": "bead"}):
+        problem = plastic(walls=walls, beads=4).problem()
+        x, v, states = (np.random.default_rng(1).random((3, 1, beads)) for beads in (4, 4, 5))
+        states[..., 0] *= walls is not None and "left" in walls
+        states[..., -1] *= walls is not None
+        frames = Trajectory(problem, np.arange(3.0), x, v, contact_state=states)
+        columns = [*map(np.stack, frames.states())]
+        assert len(columns[0]) == len(problem.columns)
+        again = Trajectory.of_columns(problem, frames.time, np.stack(columns))
+        for name in ("displacement", "velocity", "contact_state"):
+            np.testing.assert_array_equal(getattr(again, name), getattr(frames, name))
+
+
+def test_a_frame_without_the_states_of_its_contacts_is_not_written(tmp_path):
+    still = np.zeros((1, 2))
+    with Writer(tmp_path / "dump.bin", plastic().problem()) as writer, pytest.raises(ValueError, match="shorter"):
+        writer.append(0, still, still)
 
 
 def test_a_static_load_beyond_yield_is_the_state_at_the_start():

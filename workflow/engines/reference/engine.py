@@ -115,13 +115,13 @@ def blocks(
     start = x[beads, :lines].T[np.newaxis].copy(), v[beads, :lines].T[np.newaxis].copy()
     counts = scheme is not VERLET and physics.exchanges(problem.system)
 
-    def block(time: Floats, x: Floats, v: Floats, exchange: Floats, contact_state: Floats) -> Trajectory:
-        """Frames from times [frame], motion [frame, line, bead], and exchange [frame, entry]."""
+    def block(time: Floats, x: Floats, v: Floats, exchange: Floats, states: Floats) -> Trajectory:
+        """Frames from times [frame], motion [frame, line, bead], exchange [frame, entry], and states of contacts."""
         first = int(beads[0]) if problem.rows.follow else 1
-        states = contact_state if contact_state.size else None
-        return Trajectory.of_atoms(problem, time, x, v, first, exchange if counts else None, states)
+        counted = exchange if counts else None
+        return Trajectory.of_atoms(problem, time, x, v, first, counted, states if states.size else None)
 
-    yield block(np.zeros(1), *start, np.zeros((1, len(EXCHANGES))), state.contact_state[np.newaxis].copy())
+    yield block(np.zeros(1), *start, np.zeros((1, len(EXCHANGES))), state.compiled.contacts[np.newaxis].copy())
     size = min(frames_per_block(problem), most_frames or problem.frames)
     if problem.rows.follow:
         size = max(1, min(size, math.floor(_ADVANCE / (rates.front_speed(problem.system) * problem.every))))
@@ -187,19 +187,11 @@ class IntegratorState:
     parameters: tuple[Any, ...]
     compiled: kernel.KernelState
 
-    @property
-    def contact_state(self) -> Floats:
-        """States of contacts, [chain, bead + 1], see `analysis.trajectory.Trajectory`; empty where there is none."""
-        states = self.compiled.past[0]
-        if not states.size:
-            return np.zeros((0, 0))
-        return states.reshape(self.x.shape)[1:].T
-
     def frame_arrays(self, frames: int, lines: int, beads: int) -> FrameArrays:
         """Arrays for frames to fill, of so many lines of atoms and recorded beads."""
         x, v = np.empty((2, frames, lines, beads))
         exchange = np.zeros((frames, len(EXCHANGES)))
-        return FrameArrays(x, v, exchange, np.empty((frames, *self.contact_state.shape)))
+        return FrameArrays(x, v, exchange, np.empty((frames, *self.compiled.contacts.shape)))
 
     def restart(self, block: Trajectory, frame: int, x: Floats, v: Floats) -> None:
         """Continue from a frame of all beads, of which only some rows may move.
@@ -211,8 +203,7 @@ class IntegratorState:
             v: velocities of the state, [line, bead].
         """
         moving = block.moving
-        if block.contact_state is not None:
-            self.contact_state[:] = block.contact_state[frame]
+        self.compiled.set_contacts(block.system_at(frame))
         self.x[1:-1], self.v[1:-1] = x.T, v.T
         self.span[:2], self.span[3] = (moving.start + 1, min(moving.stop, block.problem.beads)), 1
         self.compiled.push[:] = 0.0
@@ -280,7 +271,7 @@ def make_state(problem: Problem, rows: int | None, *, as_lammps: bool = False, s
     v[1:-1, : problem.chains] = physics.initial_velocity(system).T
     span = np.array([first, last, problem.beads if rows is None else rows, 1])
     terms, parameters = make_terms(system, as_lammps=as_lammps, step=step)
-    state = kernel.make_state(x, v, span, terms, physics.contact_state(system))
+    state = kernel.make_state(x, v, span, terms, system)
     return IntegratorState(x, v, span, kernel.make_program(terms), parameters, state)
 
 

@@ -32,8 +32,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lammps_inputs import System, physics
 from workflow.engines.reference import template
-from workflow.engines.reference.kernel_inputs import Term, Terms
+from workflow.engines.reference.kernel_inputs import STATES, Term, Terms
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -67,6 +68,17 @@ class KernelState(NamedTuple):
     """[place] each: state of the contact behind each bead, and of the wall behind the last; strain and closing
     velocity at the start of a step. Without places where no force depends on a state.
     """
+
+    @property
+    def contacts(self) -> Floats:
+        """States of contacts, [line, bead + 1], see `analysis.trajectory.Trajectory`; empty where there is none."""
+        states = self.past[0]
+        return states.reshape(-1, self.chains)[1:].T if states.size else np.zeros((0, 0))
+
+    def set_contacts(self, system: System) -> None:
+        """Set the states of contacts to those that the laws of a system have."""
+        if self.contacts.size:
+            self.contacts[: system.chains] = physics.contact_state(system)
 
 
 class Steps(NamedTuple):
@@ -143,21 +155,22 @@ class Passing(NamedTuple):
     v_before: Floats
 
 
-def make_state(x: Floats, v: Floats, span: Integers, terms: Terms, contact_state: Floats) -> KernelState:
+def make_state(x: Floats, v: Floats, span: Integers, terms: Terms, system: System) -> KernelState:
     """A state with displacements and velocities [bead + 2, chain], which are advanced in place.
 
     Args:
         x, v, span: see `KernelState`.
         terms: of the system.
-        contact_state: states of contacts at the start, [chain, bead + 1].
+        system: what is integrated; its laws have the states of contacts at the start.
     """
     scratch = len(_ROOM[terms.dashpots].split(", ")) if terms.dampers else 0
     room = tuple(np.zeros(x.size) for _ in range(scratch))
     push, lost, work = np.zeros(x.size), np.zeros((4, x.size)), np.zeros(1)
     states, was, closing = np.zeros((3, x.size if terms.with_state else 0))
-    if terms.with_state:
-        states.reshape(x.shape)[1:, : len(contact_state)] = contact_state.T
-    return KernelState(x.reshape(-1), v.reshape(-1), push, span, x.shape[1], room, lost, work, (states, was, closing))
+    past = states, was, closing
+    state = KernelState(x.reshape(-1), v.reshape(-1), push, span, x.shape[1], room, lost, work, past)
+    state.set_contacts(system)
+    return state
 
 
 _ROOM = {
@@ -402,7 +415,7 @@ class _Writer:
                 end=end if term.row else "high",
                 strain=term.strain,
                 rate=term.rate,
-                contact_state=term.contact_state,
+                contact_state=term.at_contact(STATES),
                 was=term.at_contact("was"),
                 closing=term.at_contact("closing"),
                 after=self._call(replace(term, sign=""), "next_state", "late"),
@@ -416,9 +429,9 @@ class _Writer:
             return self._lines(template.VELOCITIES) + lines
         return self._lines(template.SPAN) + lines if lines else []
 
-    def _force_with(self, term: Term, contact_state: str) -> str:
+    def _force_with(self, term: Term, state: str) -> str:
         """Source of the force of a law at a strain s in another state."""
-        parameters = tuple(contact_state if name == term.contact_state else name for name in term.parameters)
+        parameters = tuple(state if name == term.at_contact(STATES) else name for name in term.parameters)
         return self._call(replace(term, parameters=parameters, sign=""), "force", "s")
 
     def _kick(self, target: str, factor: str) -> list[str]:

@@ -27,6 +27,9 @@ from lammps_inputs.loads import Load, Motion
 
 Floats = NDArray[np.float64]
 
+STATES = "contact_state"
+"""Source of the array of states of contacts."""
+
 UNROLLED = 2
 """Distances to neighbours that the loop is written out for, which an open row has."""
 
@@ -74,13 +77,8 @@ class Term:
         return self.rate_text.format(v=self.v)
 
     def at_contact(self, array: str) -> str:
-        """Source of the contact's entry in an array of one number for each state; empty of a law without one."""
-        return f"{array}{self.state_at}" if self.state_at else ""
-
-    @property
-    def contact_state(self) -> str:
-        """Source of the contact's state; empty of a law without one."""
-        return self.at_contact("contact_state")
+        """Source of the contact's entry in an array of one number for each state, of a law that has one."""
+        return f"{array}{self.state_at}"
 
 
 @dataclass(frozen=True)
@@ -200,7 +198,7 @@ class _Parameters:
         chains, state_name = self._system.chains, laws.state_name(law)
         for label, value in zip(law.names, law, strict=True):
             if label == state_name:
-                parameters.append(f"contact_state{state_at}")
+                parameters.append(f"{STATES}{state_at}")
                 continue
             if self._lines > chains and label not in law.one_number:
                 # of chains alone: without parameters a law exerts no force on further lines

@@ -71,7 +71,6 @@ if TYPE_CHECKING:
     from lammps_inputs.ingredients.unequal import radii as radii
     from lammps_inputs.laws import dashpot as dashpot
     from lammps_inputs.laws import formula as formula
-    from lammps_inputs.laws.plastic import restitution_of as restitution_of
     from lammps_inputs.limits import rates as rates
     from lammps_inputs.limits.closing import THETA_OF_EQ_5 as THETA_OF_EQ_5
     from lammps_inputs.links import Ground as Ground
@@ -99,7 +98,6 @@ if TYPE_CHECKING:
     from workflow.engines.reference.step_halving import StepHalving as StepHalving
     from workflow.measures import forces as forces
     from workflow.measures import measurement as measurement
-    from workflow.measures import plastic as plastic
     from workflow.prepare.settings import settle as settle
     from workflow.quantities import columns as columns
     from workflow.quantities import evaluate as evaluate

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from granchain.parts import Floats, plastic, restitution_of
+from granchain.parts import Floats, laws
 from workflow.plugins.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, by_engine, near, state
 from workflow.plugins.gallery.entry import (
     COLOURS,
@@ -41,19 +41,24 @@ def _restitution(run: Ran) -> float:
     return float(second - first)
 
 
+def _law(run: Ran) -> Any:
+    """Law of the contacts, with their largest overlaps so far at the end."""
+    return run.trajectory.system_at(-1).along[0].law
+
+
 def _worst(*runs: Ran) -> float:
     """Largest deviation of the restitution of the pairs from the closed form."""
     return max(
-        abs(_restitution(run) - float(restitution_of(ratio, 1.0)))
+        abs(_restitution(run) - float(_law(run).restitution_at(ratio, 1.0)))
         for run, ratio in zip(runs, RATIOS.values(), strict=True)
     )
 
 
 def _force_exponent(first: int, last: int, run: Ran) -> float:
     """Exponent of the largest force as a power of the number of the contact, from a contact to another."""
-    yields = plastic.YieldMeter().read(run.blocks())
-    assert yields is not None
-    return exponent(yields[1].force[first - 1 : last - 1], np.arange(float(first), last))
+    law = _law(run)
+    force = laws.whole_force(law, laws.turning_overlap(law))[0]
+    return exponent(force[first - 1 : last - 1], np.arange(float(first), last))
 
 
 def _agree(run: Ran) -> float:
@@ -112,7 +117,8 @@ def _plastic(results: Results) -> Statements:
 def _draw_plastic(axis: Axes, results: Results) -> None:
     """Restitution over velocity."""
     every = np.geomspace(0.3, 1e4, 200)
-    axis.loglog(every, restitution_of(every, 1.0), label="Thornton, closed form", **PUBLISHED)
+    law = _law(next(iter(results["chain"].values())))
+    axis.loglog(every, law.restitution_at(every, 1.0), label="Thornton, closed form", **PUBLISHED)
     for engine, colour, mark in zip(NAMES, COLOURS, "ox", strict=False):
         restitutions = [_restitution(results[name][engine]) for name in RATIOS]
         axis.loglog([*RATIOS.values()], restitutions, mark, color=colour, label=NAMES[engine])
