@@ -129,7 +129,7 @@ def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
         v0=float(intercept**2.5),
         n_star=n_star,
         v0_error=2.5
-        * float(intercept**1.5)
+        * float(intercept**2.5 / intercept)
         * (float(np.sqrt(covariance[1, 1])) + error_of_line(distance, errors, 0.0)),
         n_star_error=n_star * float(np.sqrt(max(relative, 0.0)))
         + error_of_crossing(distance, amplitude**0.4, 0.0, errors),
