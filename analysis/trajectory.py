@@ -393,6 +393,9 @@ class Trajectory:
         Args:
             problem: what records these beads.
             columns: [bead] positions of the beads along the last axis.
+
+        Returns:
+            The frames of these beads.
         """
         x, v = self.displacement[..., columns], self.velocity[..., columns]
         return replace(self, problem=problem, displacement=x, velocity=v, further_lines=None)
