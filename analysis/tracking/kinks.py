@@ -51,8 +51,7 @@ def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
         start: [bead] position of the first of the two frames.
         chain, bead: [bead] positions of the beads in the block, all of which are recorded.
     """
-    off = _begun(block, start, chain, bead)
-    return off + _passed_on(block, start, chain, bead)
+    return _begun(block, start, chain, bead) + _passed_on(block, start, chain, bead)
 
 
 def _passed_on(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -> Floats:

@@ -279,6 +279,7 @@ def _pushed(load: Load, times: Floats, fit: Callable[[Floats], Floats], low: Flo
     return worst
 
 
+@physics.once
 def quickness_of(system: System) -> float:
     """Rate of a system's fastest motion over that of a Hertz chain without load, at least 1."""
     return max(1.0, max(rates.fastest(system), rates.drag(system), rates.bending(system)) / FREQUENCY)

@@ -390,9 +390,15 @@ class _Writer:
 
     def _at_end(self, term: Term, *lines: str) -> list[str]:
         """A loop over the beads that meet a wall, those in the rows that can move."""
-        row = self._terms.row
-        begin, end = f"max(low, {term.row} * {row})", f"min(high, ({term.row} + uint64(1)) * {row})"
+        begin, end = self._beads_of(term)
         return [f"for k in range({begin}, {end}):", *(f"    {line}" for line in lines)]
+
+    def _beads_of(self, term: Term) -> tuple[str, str]:
+        """First place of the loop over the beads of contacts or of a wall, and the place behind the last."""
+        row = self._terms.row
+        if not term.row:
+            return f"low + {row}", "high"
+        return f"max(low, {term.row} * {row})", f"min(high, ({term.row} + uint64(1)) * {row})"
 
     def _of_walls(self, terms: Sequence[Term], array: str, function: str, *, rate: bool = False) -> list[str]:
         """Loops that put a function of walls into an array beside those of the contacts, as a contact with a place."""
@@ -408,11 +414,11 @@ class _Writer:
         moving = "actual" if terms.dashpots == "drift" else "v"
         for term in (replace(term, v=moving) for term in terms.with_state):
             behind = "" if term.row else terms.per_mass_at(f"k - {row}")
-            begin, end = (f"max(low, {term.row} * {row})", f"min(high, ({term.row} + uint64(1)) * {row})")
+            begin, end = self._beads_of(term)
             lines += self._lines(
                 section,
-                begin=begin if term.row else f"low + {row}",
-                end=end if term.row else "high",
+                begin=begin,
+                end=end,
                 strain=term.strain,
                 rate=term.rate,
                 contact_state=term.at_contact(STATES),
