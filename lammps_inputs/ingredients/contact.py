@@ -32,7 +32,7 @@ LEAST_OF_PULSES = 1.05
 """Exponent below which a solitary wave, if there is one, is longer than forty beads."""
 
 Strength = Annotated[
-    profile.Values[profile.Factor],
+    profile.Values[profile.Factor] | None,
     Label("contact strength"),
     Field(
         description="Factor on A of each contact: a number, a profile, or a list with one for each contact; 1 if "

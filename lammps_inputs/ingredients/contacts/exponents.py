@@ -30,7 +30,7 @@ class UnlikeContacts(Contact):
 
     exponent: Annotated[profile.Listed[Exponent], Label("contact exponent", "p")]
     """A list with the exponent of each contact, or a profile; in reduced units."""
-    strength: Strength | None = None
+    strength: Strength = None
 
     @classmethod
     def is_named(cls, keys: dict[str, Any]) -> bool:

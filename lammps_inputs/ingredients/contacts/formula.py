@@ -24,7 +24,7 @@ class FormulaContact(Contact, ByFormula):
     key: ClassVar[str] = "force"
     noun: ClassVar[str] = "contacts of a force by formula"
 
-    strength: Strength | None = None
+    strength: Strength = None
     force: str
     """Force as a formula of s, with its parameters as keys beside it; what s is stands in the scene reference, *Force
     by formula*.

@@ -29,7 +29,7 @@ class PowerContact(Contact):
     stiffness: Annotated[Annotated[Positive, Unit("N/m^p")] | None, Label("contact constant", "A")] = None
     """Constant A. Reduced units: 1 if omitted. With a material: required unless p = 1.5, where the material gives it.
     """
-    strength: Strength | None = None
+    strength: Strength = None
 
     @property
     def of_spheres(self) -> bool:

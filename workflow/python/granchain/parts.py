@@ -68,6 +68,8 @@ if TYPE_CHECKING:
     from lammps_inputs.ingredients import walls as walls
     from lammps_inputs.ingredients.base import Ingredient as Ingredient
     from lammps_inputs.ingredients.base import Setting as Setting
+    from lammps_inputs.ingredients.contact import Contact as Contact
+    from lammps_inputs.ingredients.contact import Strength as Strength
     from lammps_inputs.ingredients.unequal import radii as radii
     from lammps_inputs.laws import dashpot as dashpot
     from lammps_inputs.laws import formula as formula
