@@ -103,13 +103,10 @@ def test_the_measures_number_is_printed_written_and_computed_by_studies(folder: 
 
 
 @pytest.mark.slow
-def test_a_law_of_contacts_is_chosen_by_its_key_and_runs_in_both_engines(folder: Path, tree: Path) -> None:
+def test_a_law_of_contacts_is_a_key_of_contacts_with_walls_and_strengths(folder: Path, tree: Path) -> None:
     environment = apply("A law of contacts", tree)
     name = scene(folder, contact={"stiffening": 0.5, "strength": [1, 2] * 9 + [1]}, walls={"right": "bead"})
     granchain(environment, folder, "run", name, "-o", "out", "--engine", "reference")
-    granchain(environment, folder, "run", scene(folder, contact={"stiffening": 0.5}), "-o", "in-lammps")
-    record = json.loads((folder / "in-lammps" / "run.json").read_text())
-    assert 0.0 < record["check"]["velocity"] < record["settings"]["accuracy"]
     assert "$defs" in (schema := json.loads(granchain(environment, folder, "schema")))
     assert "stiffening" in schema["$defs"]["StiffeningContact"]["properties"]
 

@@ -7,6 +7,12 @@ by its `key`, has its keys beside it, and says what it excludes. The first, of o
 The strength of the contacts may differ along the chains, such as of cylinders at angles; contact n lies between beads n
 and n + 1. A slow ramp leaves the velocity of a pulse as it is, and changes its force and speed as strength**0.4
 (Chaunsali, Kim & Yang, Phil. Trans. R. Soc. A 376, 20170136, 2018).
+
+Examples:
+    >>> contact.Contact.kind_of({"yield": {"overlap": 0.1}}).__name__
+    'YieldingContact'
+    >>> granchain.load("one-chain", {"contact.exponent": 2.0}).contact.contact_law(0.5)  # at half the strength
+    Power(strength=0.5, exponent=2.0)
 """
 
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar

@@ -64,12 +64,11 @@ if TYPE_CHECKING:
     from lammps_inputs.decks import deck as deck
     from lammps_inputs.decks import scene_files as scene_files
     from lammps_inputs.facts import Fact as Fact
+    from lammps_inputs.ingredients import contact as contact
     from lammps_inputs.ingredients import registry as registry
     from lammps_inputs.ingredients import walls as walls
     from lammps_inputs.ingredients.base import Ingredient as Ingredient
     from lammps_inputs.ingredients.base import Setting as Setting
-    from lammps_inputs.ingredients.contact import Contact as Contact
-    from lammps_inputs.ingredients.contact import Strength as Strength
     from lammps_inputs.ingredients.unequal import radii as radii
     from lammps_inputs.laws import dashpot as dashpot
     from lammps_inputs.laws import formula as formula
