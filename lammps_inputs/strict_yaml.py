@@ -87,7 +87,7 @@ def _refusal(problem: str, where: Any) -> yaml.MarkedYAMLError:
 
 
 class _Dumper(yaml.SafeDumper):
-    """A safe dumper that quotes text which `_Loader` would take for a number, such as ``1e5``, but for numbered keys."""
+    """A safe dumper that quotes text which `_Loader` would take for a number, such as ``1e5``, but for keys."""
 
     def represent_mapping(self, tag: str, mapping: Any, flow_style: bool | None = None) -> yaml.MappingNode:
         node = super().represent_mapping(tag, mapping, flow_style)

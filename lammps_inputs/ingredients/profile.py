@@ -9,6 +9,7 @@ Examples:
 """
 
 import math
+import re
 from typing import Annotated, Any, ClassVar, TypeVar
 
 import numpy as np
@@ -24,15 +25,18 @@ Floats = NDArray[np.float64]
 Factor = Annotated[Positive, PURE]
 
 
-Contact = Annotated[str, Field(pattern=r"^[1-9][0-9]{0,7}$")]
-"""Number of a contact, as a key."""
-
 Length = Annotated[NotNegative, Unit("m")]
 
 
 def _numbers_as_text(value: Any) -> Any:
     """Keys that Python has as whole numbers as the text that files have."""
-    return {str(key): inner for key, inner in value.items()} if isinstance(value, dict) else value
+    if not isinstance(value, dict):
+        return value
+    text = {str(key): inner for key, inner in value.items()}
+    wrong = [key for key in text if not re.fullmatch("[1-9][0-9]{0,7}", key)]
+    if wrong or not text:
+        raise ValueError("should hold numbers of contacts and their gaps, such as {1: 0.1}")
+    return text
 
 
 @base.with_keys(
@@ -110,9 +114,9 @@ class Gaps(ScenePart):
 
     example: ClassVar[str] = "{mean: 0.1, spread: 0.5}"
 
-    contacts: Annotated[dict[Contact, Length], BeforeValidator(_numbers_as_text)] | None = None
+    contacts: Annotated[Annotated[dict[str, Length], BeforeValidator(_numbers_as_text)] | None, Label("gap")] = None
     """Gaps of contacts by their numbers, `{1: 0.1, 3: 0.3}`, in every chain; other beads touch."""
-    mean: Annotated[Positive, Unit("m"), Label("mean gap")] | None = None
+    mean: Annotated[Positive, Unit("m")] | None = None
     """Mean of random gaps."""
     spread: Spread | None = None
     """Largest relative deviation of random gaps from their mean."""
@@ -129,7 +133,7 @@ class Gaps(ScenePart):
         if self.mean is None and (self.spread is not None or self.seed is not None):
             raise ValueError(f"{key}.mean: is missing beside {'seed' if self.spread is None else 'spread'}")
         if self.mean is not None:
-            return self.mean * random_factors(self.spread, self.seed, shape)
+            return np.full(shape, self.mean) * random_factors(self.spread, self.seed, shape)
         gaps = np.zeros(shape)
         for contact, gap in (self.contacts or {}).items():
             if int(contact) > shape[1]:
