@@ -22,7 +22,17 @@ from lammps_inputs.output import Forces, Limits, Output, Spectra
 from lammps_inputs.scene import Kick, Material, Scene
 from lammps_inputs.units import Unit
 
-_TYPES: list[type[BaseModel]] = [Material, Kick, Output, Forces, Spectra, Limits, coupling.Ramp, profile.Profile, profile.Gaps]
+_TYPES: list[type[BaseModel]] = [
+    Material,
+    Kick,
+    Output,
+    Forces,
+    Spectra,
+    Limits,
+    coupling.Ramp,
+    profile.Profile,
+    profile.Gaps,
+]
 _TYPES += [DeckAtoms]
 _TYPES += [foundation.GroundRamp, foundation.Modulation, plastic.Yield]
 _TYPES += [unequal.BeadKind, unequal.Replacement, unequal.Disorder, unequal.Striker]
