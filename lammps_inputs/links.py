@@ -67,12 +67,6 @@ class Link:
             return self
         return replace(self, law=laws.at(self.law, Ellipsis, self._links_of(rows)))
 
-    def mirrored(self) -> Self:
-        """The links with the numbers of the beads reversed."""
-        if not laws.differs(self.law):
-            return self
-        return replace(self, law=laws.at(self.law, Ellipsis, slice(None, None, -1)))
-
     def at(self, time: Any) -> Self:
         """Links at a time, a number or [...]; their law then does not depend on time."""
         if not self.law.varies:
@@ -305,10 +299,6 @@ class Wall(Ground):
     """
 
     curved: bool = False
-
-    def mirrored(self) -> Self:
-        """The wall at the other end."""
-        return replace(super().mirrored(), side=-self.side)
 
 
 def largest_eigenvalue(across: Across, chains: int, stiffness: Floats | None = None) -> float:

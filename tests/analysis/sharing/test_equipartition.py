@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mirror import mirrored_problem
 from synthetic_waves import of_keys, problem, reference, surveyed
 
 from analysis.sharing.equipartition import Sharing, error_of_crossing, runs_exact_waves
 from analysis.sharing.impulses import measure
 from analysis.sharing.survey import Survey
 from analysis.sharing.verdict import SINGLE_CHAIN, EquipartitionState, expected_n_star, fit_decay, verdict_on
-from analysis.trajectory import mirrored_problem
 from lammps_inputs import Kick
 from workflow.engines.reference import engine
 

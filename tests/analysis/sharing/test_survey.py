@@ -16,7 +16,7 @@ from analysis.sharing.is_solitary import Tolerances, characterise
 from analysis.sharing.survey import survey
 from analysis.tracking.peaks import find_peaks
 from analysis.tracking.pulses import Pulse
-from analysis.trajectory import Trajectory, mirrored, mirrored_problem
+from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, library
 from workflow.engines.reference import engine
 
@@ -208,15 +208,6 @@ def test_speed_is_compared_with_the_exact_wave_and_the_amplitude_with_itself_ove
 def test_a_pulse_that_could_not_be_measured_is_not_called_solitary():
     found = surveyed(reference(1, 0.0, 40, 8.0))
     assert all(not character.solitary for character in found.characters)
-
-
-def test_the_mirror_of_the_mirror_is_the_run_itself():
-    trajectory = reference(2, 0.1, 20, 5.0, recorded=(2, 3, 11))
-    twice = mirrored(mirrored(trajectory))
-    assert mirrored_problem(trajectory.problem).rows.listed == (10, 18, 19)
-    assert twice.problem == trajectory.problem
-    assert np.array_equal(twice.displacement, trajectory.displacement)
-    assert np.array_equal(twice.velocity, trajectory.velocity)
 
 
 def test_a_run_in_pieces_of_any_size_gives_the_same():
