@@ -256,16 +256,6 @@ class Links:
             rows = slice(rows.start, rows.stop - 1) if isinstance(rows, slice) else rows[:-1]
         return replace(self, law=laws.at(self.law, Ellipsis, rows), gap=self.gap_at(Ellipsis, rows))
 
-    def mirrored(self) -> Self:
-        """The links with the numbers of the beads reversed."""
-        if self.kind == "wall":
-            first, second = (LAST, None) if self.first is None else (None, FIRST)
-            return replace(self, first=first, second=second)
-        if not self.differ:
-            return self
-        back = Ellipsis, slice(None, None, -1)
-        return replace(self, law=laws.at(self.law, *back), gap=self.gap_at(*back))
-
     def at(self, time: Any) -> Self:
         """Links at a time, a number or [...]; their law then does not depend on time."""
         if not self.law.varies:

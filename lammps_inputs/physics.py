@@ -289,7 +289,7 @@ def state_headings(system: System) -> tuple[str, ...]:
     links = contacts_with_state(system)
     if not links:
         return ()
-    walled = wall_at(links, 1.0) is not None
+    walled = any(link.between == slice(-1, None) for link in links)
     heading = laws.state_heading(links[0].law)
     return (heading, f"{heading}_ahead")[: 1 + walled]
 
@@ -326,11 +326,6 @@ def contact_loss(system: System) -> ContactLoss | None:
 
 
 # --- walls and the ground ---------------------------------------------------------------------------------------------
-
-
-def wall_at(links: Iterable[Links], side: float) -> Links | None:
-    """The walls on a side among links, or their dashpots; None where there are none."""
-    return next((link for link in links if link.kind == "wall" and link.side == side), None)
 
 
 def loss_beside(system: System, contacts: Links) -> Any:

@@ -42,7 +42,7 @@ from analysis.meters import Meter, Part
 from analysis.quantity import declare, result
 from analysis.shape.waveforms import reach
 from analysis.sharing.equipartition import Sharing
-from analysis.trajectory import Floats, Integers, Trajectory
+from analysis.trajectory import Floats, Integers, Trajectory, along_the_way
 from lammps_inputs import Problem, System, laws, physics
 
 MOST_INSTANTS = 500
@@ -273,7 +273,7 @@ class ShareMeter(Meter[tuple[Integers, Floats], EnergyShares]):
     """Energies when leading waves pass beads.
 
     Attributes:
-        problem: what was run, as the leading waves run through it.
+        problem: what was run.
         shared: the leading waves.
     """
 
@@ -314,13 +314,12 @@ class ShareMeter(Meter[tuple[Integers, Floats], EnergyShares]):
         """[instant, chain] beads at which the waves are, by their arrivals; NaN without arrivals."""
         if len(time) == 0:
             return np.zeros((0, self.problem.chains))
-        beads = self.shared.bead[self._defined]
+        beads = along_the_way(self.problem, self.shared.bead[self._defined])
         arrivals = np.maximum.accumulate(self.shared.arrival[self._defined], axis=0)
         return np.array([np.rint(np.interp(time, of_chain, beads)) for of_chain in arrivals.T]).T
 
     def of_part(self, part: Part) -> tuple[Integers, Floats]:
         """Positions of the instants in a part, and `chain`, `wave` and their errors there, [4, instant, chain]."""
-        part = part if part.around.problem.direction > 0 else part.in_mirror
         if not (part.around.forces_known and len(self.place)):
             return np.arange(0), np.zeros((4, 0, self.problem.chains))
         block, entry, before, share_of_time = pairs_in(part, self._time)
