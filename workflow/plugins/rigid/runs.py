@@ -68,7 +68,7 @@ class RigidEngine(engines.Engine):
         gaps = np.atleast_2d(system.along[0].gap)
         if not np.all(gaps > 0.0):
             return (
-                "`collisions` moves rigid beads, which need gaps between all of them; give the scene `gap: ...`, or "
+                "`collisions` moves rigid beads, which need a gap between all of them; give the scene `gap: ...`, or "
                 f"{other}"
             )
         if physics.coupled(system) and np.any(np.ptp(gaps, axis=0)):
