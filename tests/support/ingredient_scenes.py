@@ -69,10 +69,10 @@ CASES: dict[str, dict[str, Any]] = {
     "one chain": {"chains": 1, "coupling": None},
     "gap": {"gap": 0.3},
     "gaps that differ, walls": {"gap": [0.1, 0.0, 0.4, 0.2, 0.0, 0.5, 0.1], **WALLS},
-    "random gaps, damping linear": {
+    "random gaps, foundation cubic": {
         "gap": {"mean": 0.3, "spread": 0.8, "seed": 2},
         "coupling": None,
-        "damping": {"contact": 0.2},
+        "foundation": {"stiffness": 0.3, "cubic": 0.2},
     },
     "coupling from a row on": {"coupling": {"stiffness": 0.5, "rows": [3, 8]}},
     "ramp": {"chains": 3, "coupling": {"stiffness": {"from": 0.0, "to": 0.9, "rows": [2, 7]}}},
