@@ -86,9 +86,9 @@ def _draw_more(chance: random.Random, number: int | str) -> Scene:
     output: dict[str, Any] = {"every": 0.5}
     if chance.random() < 0.3:
         output |= {"beads": sorted(chance.sample(range(1, beads + 1), 2))}
-    gaps = [chance.choice([0.0, chance.uniform(0.1, 2.0)]) for _ in range(beads - 1)]
-    gap = chance.choice([0.0, 0.0, chance.uniform(0.1, 3.0), gaps])
-    more |= {"gap": gap, "duration": chance.uniform(15.0, 60.0)}
+    more |= {"gap": chance.choice([0.0, 0.0, chance.uniform(0.1, 3.0)]), "duration": chance.uniform(15.0, 60.0)}
+    along = _Along(number)  # leaves all else as it was drawn
+    more |= {"gap": along.gaps(beads)} if more["gap"] and along.random() < 0.4 else {}
     more |= {"scheme": chance.choice([None, None, "suzuki4"]), "output": output, "kick": kicks}
     return Scene.model_validate({"name": f"scene-{number}", "chains": chains, "beads": beads, **more})
 
@@ -100,9 +100,6 @@ def _draw_lossy(chance: random.Random, number: int | str) -> Scene:
     exponent = chance.choice([1.5, 1.5, 1.0, 1.25, 2.0, 3.0])
     if exponent != 1.5:
         more["contact"] = {"exponent": exponent}
-    elif chance.random() < 0.2:
-        profile = {"spread": chance.uniform(0.01, 0.3), "seed": chance.randint(0, 9)}
-        more["contact"] = chance.choice([{"exponent": profile}, {"strength": profile}])
     if chains > 1:
         more["coupling"] = {"stiffness": 10.0 ** chance.uniform(-3.0, 0.3)}
     if chance.random() < 0.3:
@@ -140,7 +137,31 @@ def _draw_lossy(chance: random.Random, number: int | str) -> Scene:
         more["drive"] = {"chain": chain, "bead": bead, **how, "frequency": frequency, "phase": phase}
     if "drive" not in more or chance.random() < 0.5:
         more["kick"] = {"chain": other[0], "bead": other[1], "velocity": chance.choice([1.0, -1.0, 0.3])}
+    along = _Along(number)  # leaves all else as it was drawn
+    if "contact" not in more and along.random() < 0.5:
+        one = (
+            more.keys() & {"walls", "gravity", "precompression"}
+            or more.get("damping", {}).get("law", "linear") != "linear"
+        )
+        more["contact"] = {"strength" if one else "exponent": along.profile()}
     return Scene.model_validate({"name": f"scene-{number}", "chains": chains, "beads": beads, **more})
+
+
+class _Along(random.Random):
+    """Random values along the chains, with numbers of their own for each scene."""
+
+    def __init__(self, number: int | str) -> None:
+        super().__init__(f"along {number}")
+
+    def gaps(self, beads: int) -> Any:
+        """Gaps that differ: a list, or by numbers of contacts."""
+        listed = [self.choice([0.0, self.uniform(0.1, 2.0)]) for _ in range(beads - 1)]
+        named = {"contacts": {str(self.randint(1, beads - 1)): 0.5}}
+        return self.choice([listed, named, {"mean": self.uniform(0.1, 2.0), "spread": 0.5}])
+
+    def profile(self) -> dict[str, Any]:
+        """Random factors on strengths or exponents."""
+        return {"spread": self.uniform(0.01, 0.3), "seed": self.randint(0, 9)}
 
 
 FORMULAS_OF_SPRINGS = ("k*s/sqrt(1+(s/d)^2)", "k*s+c*s^3", "k*s*exp(-(s/d)^2)", "k*d*tanh(s/d)", "k*d*sinh(s/d)", "k*s")
