@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import Problem, System, laws, physics
-from lammps_inputs.links import Link
+from lammps_inputs.links import Links
 
 Floats = NDArray[np.float64]
 """Array of float64; the docstring of a function or field has its shape and unit.
@@ -293,7 +293,7 @@ class Trajectory:
         system = physics.at(self.problem.system, self.time[frames] if time is None else time)
         return system if self.contact_state is None else physics.at_contact_state(system, self.contact_state[frames])
 
-    def law(self, link: Link, frame: Integers, chain: Integers, place: Integers) -> Any:
+    def law(self, link: Links, frame: Integers, chain: Integers, place: Integers) -> Any:
         """Law of chosen links along chains or to the ground, in the state of their contacts at frames.
 
         Args:
@@ -308,7 +308,7 @@ class Trajectory:
         law = laws.at(link.law, chain, place)
         if self.contact_state is None or not laws.has_state(law):
             return law
-        return laws.at_state(law, self.contact_state[frame, chain, place + physics.first_state(link)])
+        return laws.at_state(law, self.contact_state[frame, chain, place + link.between.start])
 
     def states_of_contacts(self, places: int | Integers) -> Floats | None:
         """States of some contacts of each chain, dimensionless; None where no force depends on one.

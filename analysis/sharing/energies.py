@@ -199,7 +199,7 @@ UNLOADED = 1e-9
 
 def has_modes(system: System) -> bool:
     """Whether rows have modes whose action can change: linear springs, the same in all rows, some of which vary."""
-    springs = (*system.couplings, *physics.ground_springs(system))
+    springs = (*system.couplings, *system.ground)
     return (
         1 < system.chains <= MOST_CHAINS
         and physics.varying(system)
@@ -223,7 +223,7 @@ def shares_of_action(block: Trajectory, frames: slice) -> Floats:
     action = 0.5 * now.mass * np.sum(v * v + (square[..., None] * x) * x, axis=-1) / omega
     total = np.sum(action, axis=-1, keepdims=True)
     energy = motion.energy(now, displacement, velocity)
-    loaded = sum(link.energy(displacement).sum(axis=(-2, -1)) for link in (*now.along, *physics.walls(now)))
+    loaded = sum(link.energy(displacement).sum(axis=(-2, -1)) for link in (*now.along, *now.walls))
     defined = (loaded <= UNLOADED * energy)[:, None] & (total > 0.0)
     return np.asarray(np.where(defined, action / np.where(defined, total, 1.0), np.nan))
 
@@ -237,7 +237,7 @@ def _stiffness(system: System, frames: int) -> Floats:
         for (first, second), value in zip(link.edges, edges, strict=True):
             stiffness[:, [first, second], [first, second]] += value
             stiffness[:, [first, second], [second, first]] -= value
-    for spring in physics.ground_springs(system):
+    for spring in system.ground:
         held = np.broadcast_to(laws.stiffness(spring.law, 0.0), (frames, system.chains, system.beads))
         stiffness[:, chains, chains] += held[..., 0]
     return stiffness
@@ -370,7 +370,7 @@ class ShareMeter(Meter[tuple[Integers, Floats], EnergyShares]):
         kinetic = motion.kinetic_energy(system, v, first)
         contacts = motion.contact_energy(system, x, first)
         total = np.sum(kinetic, axis=-1) + np.sum(contacts, axis=-1)
-        for link in (*system.couplings, *system.ground):
+        for link in (*system.couplings, *system.ground, *system.walls):
             link.add_chain_energy(total, link.energy(x, first))
         energies = np.zeros((3, 1 + len(peaks), *total.shape[1:]))
         energies[:, 0] = total

@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 from lammps_inputs import Problem, laws, physics
+from lammps_inputs.links import FIRST, LAST
 
 BACK = slice(None, None, -1)
 
@@ -21,11 +22,12 @@ def mirrored_problem(problem: Problem) -> Problem:
     system = problem.system
 
     def turned(links: Any) -> Any:
-        sides = ({"side": -link.side} if hasattr(link, "side") else {} for link in links)
-        return tuple(
-            replace(link, law=laws.at(link.law, Ellipsis, BACK), **side)
-            for link, side in zip(links, sides, strict=True)
-        )
+        def end(beads: Any) -> Any:
+            return next((other for this, other in ((FIRST, LAST), (LAST, FIRST)) if beads == this), beads)
+
+        swapped = ({"first": end(x.second), "second": end(x.first)} if x.kind == "wall" else {} for x in links)
+        laws_of = (laws.at(link.law, Ellipsis, BACK) for link in links)
+        return tuple(replace(x, law=law, **ends) for x, law, ends in zip(links, laws_of, swapped, strict=True))
 
     def at_other_bead(parts: Any, **changed: Any) -> Any:
         there = ({name: change(getattr(part, name)) for name, change in changed.items()} for part in parts)
