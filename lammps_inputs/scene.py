@@ -6,11 +6,21 @@ No default depends on anything but the scene, and `Scene.resolved` fills every o
 import math
 from collections.abc import Iterator, Mapping
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, Union
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, BeforeValidator, Field, ValidationError, create_model, field_validator, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationError,
+    create_model,
+    field_validator,
+    model_validator,
+)
 
 from lammps_inputs import html, laws, physics, strict_yaml
 from lammps_inputs import scheme as schemes
@@ -756,7 +766,12 @@ def _one_or_several(value: Any) -> Any:
 
 
 def _annotation(ingredient: type[Ingredient]) -> Any:
-    """Type of an ingredient's key in a scene."""
+    """Type of an ingredient's key in a scene; where keys choose among classes, that of all these."""
+    kinds = ingredient.kinds()
+    if len(kinds) > 1:
+        tagged: Any = Union[tuple(Annotated[kind, Tag(f"<{kind.__name__}>")] for kind in kinds)]  # noqa: UP007
+        tag = Discriminator(lambda value: f"<{ingredient.kind_of(value).__name__}>")
+        return Annotated[tagged, tag] | None
     if not ingredient.several:
         return ingredient | None
     return Annotated[tuple[ingredient, ...] | None, BeforeValidator(_one_or_several)]  # type: ignore[valid-type]

@@ -68,7 +68,7 @@ def _of_beads(scene: "BaseScene") -> Iterator[BeadColumn]:
 
 def _of_link(link: Links, scene: "BaseScene") -> Iterator[BeadColumn]:
     hints = get_type_hints(type(link.law), include_extras=True)
-    for parameter, values in zip(link.law.names, link.law, strict=True):
+    for parameter, values in link.law.by_name.items():
         dimension = dimension_of(hints[parameter])
         if np.ndim(values) == 0 or dimension is None:
             continue

@@ -445,7 +445,7 @@ def _other_course(equations: MomentumEquations, load: Load, noise: float) -> Exp
         departures = (
             other_parameters(
                 name_of_load(load),
-                dict(zip(load.law.names, load.law, strict=True)),
+                load.law.by_name,
                 lambda *parameters: np.diff(load.law.impulse(times, *parameters)),
                 np.diff(load.impulse(times)) + residual,
                 max(NOISE * noise, EXPLAINED * _norm(residual)),

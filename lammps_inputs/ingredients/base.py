@@ -250,6 +250,16 @@ class Ingredient(ScenePart):
     """Publications of the laws that its keys choose: key, such as ``damping.contact`` -> law -> keys."""
 
     @classmethod
+    def kinds(cls) -> "tuple[type[Ingredient], ...]":
+        """Classes among which the keys choose, such as one a law; the first where none is chosen."""
+        return (cls,)
+
+    @classmethod
+    def kind_of(cls, value: Any) -> "type[Ingredient]":  # noqa: ARG003
+        """Class that plain data, or an ingredient, is of."""
+        return cls
+
+    @classmethod
     def from_files(cls, value: Any, folder: Path) -> Any:  # noqa: ARG003
         """Content of a scene's file with that of the files that it names, which are beside it, in the folder."""
         return value

@@ -137,7 +137,7 @@ class Foundation(ByFormula):
                 continue
             largest = {
                 "stiffness": laws.stiffest(link.law, 0.0),
-                "cubic": np.max(dict(zip(link.law.names, link.law, strict=True)).get("cubic", 0.0)),
+                "cubic": np.max(link.law.by_name.get("cubic", 0.0)),
             }
             for key in (key for key, value in largest.items() if value > STIFFEST):
                 raise ValueError(f"foundation.{key}: so stiff that the beads do not move; at most 1e12, dimensionless")

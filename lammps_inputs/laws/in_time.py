@@ -77,7 +77,7 @@ class TimeLaw(Parameters):
 
     def variables(self, name: str) -> tuple[str, ...]:
         """Deck variables with the parameters that the formula names."""
-        return tuple(f"variable {name}{key} index {text(value)}" for key, value in zip(self.names, self, strict=True))
+        return tuple(f"variable {name}{key} index {text(value)}" for key, value in self.by_name.items())
 
 
 class HalfSine(TimeLaw):

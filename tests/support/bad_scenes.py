@@ -414,7 +414,7 @@ REFUSED = [
     _refused("contact.exponent: should be less than or equal to 3, 3.1 given", contact={"exponent": 3.1}),
     _refused("contact.stiffness: is missing", contact={"exponent": 2.0}, material=_SI),
     _refused("contact.stiffness: the material determines", material=_SI, contact={"exponent": 1.5, "stiffness": 1e9}),
-    _refused("contact.exponent: 2 given; how the contacts of beads of unlike radius", **_SQUARE, taper=0.02),
+    _refused("contact.exponent: how the contacts of beads of unlike radius", **_SQUARE, taper=0.02),
     _refused("contact: contacts of an exponent below 1.5 open", contact={"exponent": 1.2}, scheme="suzuki4"),
     _tied("stiffness: is missing"),
     _tied("topology.lattice: 2 x 2 places for 3 chains", stiffness=0.1, topology={"lattice": [2, 2]}),
@@ -538,17 +538,21 @@ REFUSED = [
     _refused("kick: one bead is kicked twice", striker={"mass": 2.0, "velocity": 1.0}),
     _exponents("contact.exponent: 2 numbers for the 11 contacts of 12 beads", contact={"exponent": [1.5, 1]}),
     _exponents("contact.exponent[2]: should be less than or equal to 3, 5 given", contact={"exponent": [1.5, 5]}),
-    _exponents("contact.exponent: should be a number", contact={"exponent": {"from": 1}}),
+    _exponents("contact.exponent: should be a number, 'x' given", contact={"exponent": "x"}),
+    _exponents("contact.exponent.to: is missing beside from", contact={"exponent": {"from": 1.0}}),
+    _exponents("contact.exponent.spred: unknown key (did you mean `spread`?)", contact={"exponent": {"spred": 0.1}}),
     _exponents(
-        "contact.stiffness: is known for contacts of one", contact={"exponent": [1.5] * 10 + [1.0], "stiffness": 2}
+        "contact.exponent: goes from 0.752235 to 2.21019; from 1 to 3", contact={"exponent": {"spread": 0.5, "seed": 3}}
+    ),
+    _exponents(
+        "contact.stiffness: is no key of contacts of several exponents",
+        contact={"exponent": [1.5] * 10 + [1.0], "stiffness": 2},
     ),
     _exponents("material: is known for contacts of one exponent", material=_SI),
     _exponents("walls: is known for contacts of one exponent", walls={"right": "bead"}),
     _exponents("precompression: is known for contacts of one exponent", precompression={"force": 0.1}),
     _exponents("damping.law: is known for contacts of one", damping={"contact": 0.1, "law": "viscoelastic"}),
-    _exponents(
-        "contact.exponent: a list given; how the contacts", kinds={"a": {"radius": 2.0}, "b": {}}, pattern=["a", "b"]
-    ),
+    _exponents("contact.exponent: how the contacts", kinds={"a": {"radius": 2.0}, "b": {}}, pattern=["a", "b"]),
     _graded(": names nothing; valid: `strength: {from: 1, to: 4", {}),
     _graded(": should be greater than 0, 0.0 given", 0.0),
     _graded(": should be a number, 'x' given", "x"),
@@ -599,7 +603,7 @@ REFUSED = [
         {"overlap": 0.1},
         output={"beads": [3, 4], "forces": {"contacts": [3]}},
     ),
-    _yields("contact.yield: contact.force is the whole force", {"overlap": 0.1}, force="s^2"),
+    _yields("contact.yield: is no key of contacts of a force by formula", {"overlap": 0.1}, force="s^2"),
     _refused(
         "contact: other contacts than spheres, which alone yield by material.yield_strength",
         contact={"exponent": 2.0, "stiffness": 1e9},

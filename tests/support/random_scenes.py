@@ -98,6 +98,9 @@ def _draw_lossy(chance: random.Random, number: int | str) -> Scene:
     exponent = chance.choice([1.5, 1.5, 1.0, 1.25, 2.0, 3.0])
     if exponent != 1.5:
         more["contact"] = {"exponent": exponent}
+    elif chance.random() < 0.2:
+        profile = {"spread": chance.uniform(0.01, 0.3), "seed": chance.randint(0, 9)}
+        more["contact"] = chance.choice([{"exponent": profile}, {"strength": profile}])
     if chains > 1:
         more["coupling"] = {"stiffness": 10.0 ** chance.uniform(-3.0, 0.3)}
     if chance.random() < 0.3:

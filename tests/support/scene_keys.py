@@ -20,8 +20,7 @@ def units(scene: Scene) -> Units:
     if ball is not None:
         mass = 4.0 / 3.0 * math.pi * ball.radius**3 * ball.density
         constant = ball.youngs_modulus * math.sqrt(2.0 * ball.radius) / (3.0 * (1.0 - ball.poisson_ratio**2))
-    if scene.contact is not None and scene.contact.stiffness is not None:
-        constant = scene.contact.stiffness
+    constant = _of_contact(scene, "stiffness") or constant
     if (law := formula(scene, "contact")) is not None:
         constant, p = law.first
     speeds = [abs(velocity) for *_, velocity in kicks(scene)]
@@ -35,8 +34,13 @@ def units(scene: Scene) -> Units:
 
 def exponent(scene: Scene) -> float:
     """By which lengths are measured."""
-    given = 1.5 if scene.contact is None else scene.contact.exponent
-    return 1.5 if isinstance(given, tuple) else float(given)
+    given = _of_contact(scene, "exponent")
+    return given if isinstance(given, float) else 1.5
+
+
+def _of_contact(scene: Scene, key: str) -> Any:
+    """What the contacts have under a key; None where their law has no such key, or the scene names none."""
+    return getattr(scene.contact, key, None)
 
 
 class Formula:
@@ -67,7 +71,7 @@ class Formula:
 
 def formula(scene: Scene, key: str) -> Formula | None:
     part = getattr(scene, key)
-    return None if part is None or part.force is None else Formula(part, key == "contact")
+    return None if getattr(part, "force", None) is None else Formula(part, key == "contact")
 
 
 def kicks(scene: Scene) -> list[tuple[int, int, float]]:
@@ -127,11 +131,17 @@ def beads_of(scene: Scene) -> tuple[Floats, Floats, Floats]:
 
 def along(scene: Scene) -> Floats:
     """Factors on the strengths of the contacts by their place, [chain, contact]."""
-    given = None if scene.contact is None else scene.contact.strength
+    return by_contact(_of_contact(scene, "strength"), 1.0, scene)
+
+
+def by_contact(given: Any, default: float, scene: Scene) -> Floats:
+    """A number, a list or a profile, [chain, contact]; a default where there is none."""
     found = np.ones((scene.chains, scene.beads - 1))
     if given is None or isinstance(given, float | tuple):
-        return found * (1.0 if given is None else given)
+        return found * (default if given is None else given)
     keys = given.model_dump(exclude_none=True)
+    if "amplitude" not in keys:
+        found *= keys.get("mean", 1.0 if "to" in keys else default)
     for i in range(1, scene.beads):
         if "to" in keys:
             first, last = keys["contacts"]
@@ -139,7 +149,7 @@ def along(scene: Scene) -> Floats:
             found[:, i - 1] *= keys["from"] + share * (keys["to"] - keys["from"])
         if "amplitude" in keys:
             angle = 2.0 * math.pi * keys["wavenumber"] * i + math.radians(keys.get("phase", 0.0))
-            found[:, i - 1] *= keys.get("mean", 1.0) + keys["amplitude"] * math.cos(angle)
+            found[:, i - 1] *= keys.get("mean", 1.0 if "to" in keys else default) + keys["amplitude"] * math.cos(angle)
     if "spread" in keys:
         spread = keys["spread"]
         found *= np.random.default_rng(keys.get("seed", 1)).uniform(1.0 - spread, 1.0 + spread, found.shape)
@@ -270,8 +280,8 @@ def nature(scene: Scene) -> Nature:
     size = 2.0 * radius[:, 1:] * radius[:, :-1] / (radius[:, 1:] + radius[:, :-1])
     strength = 2.0 / (1.0 / modulus[:, 1:] + 1.0 / modulus[:, :-1]) * np.sqrt(size) * along(scene)
     powers: float | Floats = p
-    if scene.contact is not None and isinstance(scene.contact.exponent, tuple):
-        powers = np.array(scene.contact.exponent) * np.ones_like(strength)
+    if not isinstance(_of_contact(scene, "exponent"), float | None):
+        powers = by_contact(scene.contact.exponent, 1.5, scene)
         strength = strength * unit.length ** (powers - p)
     load = loads(scene, mass + sum(kind[0] for kind in _resonators(scene)))
     loss = _losses(scene, mass, strength)

@@ -85,7 +85,9 @@ def _parameters(scene: Mapping[str, Any]) -> list[str]:
     ]
 
 
-FORMULAS = {key: ingredient for key, ingredient in INGREDIENTS.items() if issubclass(ingredient, ByFormula)}
+FORMULAS = {
+    key: kind for key, ingredient in INGREDIENTS.items() for kind in ingredient.kinds() if issubclass(kind, ByFormula)
+}
 """Ingredients whose force may be a formula, with parameters beside it."""
 
 
@@ -124,10 +126,9 @@ def all_fields(model: type[BaseModel], above: str = "") -> tuple[str, ...]:
     paths: list[str] = []
     for name, field in model.model_fields.items():
         paths.append(f"{above}{name}")
-        part = complaints.model_in(field.annotation)
-        if part is not None:
+        for part in complaints.models_in(field.annotation):
             paths += all_fields(part, f"{above}{name}.")
-    return tuple(paths)
+    return tuple(dict.fromkeys(paths))
 
 
 def put(scene: dict[str, Any], path: Path, value: Any) -> dict[str, Any]:
@@ -303,15 +304,17 @@ def _declared_label(path: Path) -> Label | None:
 
 def _field(path: Path) -> FieldInfo | None:
     """Field at the end of a path; of a part that may be written as a number alone, the field of that number."""
-    model: type[BaseModel] | None = Scene
+    models: list[type[BaseModel]] = [Scene]
     last = None
     for key, _ in path:
-        by_key = {} if model is None else {field.alias or name: field for name, field in model.model_fields.items()}
-        if key in by_key:  # else a name of the user's
-            last = by_key[key]
-            model = complaints.model_in(last.annotation)
-    alone = model.alone if model is not None and issubclass(model, ScenePart) else None
-    return last if model is None or alone is None else model.model_fields[alone]
+        named = [
+            field for model in models for name, field in model.model_fields.items() if key == (field.alias or name)
+        ]
+        if named:  # else a name of the user's
+            last = named[0]
+            models = [model for field in named for model in complaints.models_in(field.annotation)]
+    alone = next((model for model in models if issubclass(model, ScenePart) and model.alone is not None), None)
+    return last if alone is None else alone.model_fields[str(alone.alone)]
 
 
 def _parts(declared: Any) -> list[Any]:

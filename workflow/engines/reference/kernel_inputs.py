@@ -194,7 +194,7 @@ class _Parameters:
         """A law on links of which that of the first bead is in row ``first``, and its state, if it has one, there."""
         parameters = []
         chains, state_name = self._system.chains, laws.state_name(law)
-        for label, value in zip(law.names, law, strict=True):
+        for label, value in law.by_name.items():
             if label == state_name:
                 parameters.append(f"{STATES}{state_at}")
                 continue

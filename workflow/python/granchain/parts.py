@@ -64,6 +64,7 @@ if TYPE_CHECKING:
     from lammps_inputs.decks import deck as deck
     from lammps_inputs.decks import scene_files as scene_files
     from lammps_inputs.facts import Fact as Fact
+    from lammps_inputs.ingredients import contact as contact
     from lammps_inputs.ingredients import registry as registry
     from lammps_inputs.ingredients import walls as walls
     from lammps_inputs.ingredients.base import Ingredient as Ingredient
