@@ -66,6 +66,9 @@ _UNITS = {
 _SPELLED = {"second": "s", "seconds": "s", "sec": "s", "volt": "V", "volts": "V", "newton": "N", "newtons": "N"}
 """Units in letters, as in the rows of units of some oscilloscopes."""
 
+_STARTS_NUMBER = re.compile(r"[-+]?[.,]?\d|nan\b|[-+]?inf", re.IGNORECASE)
+"""Start of a cell that holds no unit."""
+
 MOST_HEAD = 1000
 """Largest number of lines in which the names of columns are looked for."""
 
@@ -220,7 +223,7 @@ def load(file: Path | TraceFile) -> Traces:
             path,
             lambda _: _head(file),
             lambda head: _chosen(file, head),
-            "is not a text table (in UTF-8)",
+            "is not text in UTF-8; save it as such",
             _number,
         )
     except OSError as error:
@@ -250,8 +253,10 @@ def load(file: Path | TraceFile) -> Traces:
 
 def _number(cell: str) -> float:
     """Number in a cell, which may stand between quotes; NaN of an empty one."""
-    text = cell.strip().strip("\"'")
-    return float(text) if text.strip() else math.nan
+    text = cell.strip().strip("\"'").strip()
+    if "_" in text:  # which `float` passes over
+        raise ValueError(text)
+    return float(text) if text else math.nan
 
 
 def _refuse_descending(path: Path, head: table.Head, heading: str, time: Floats) -> None:
@@ -279,12 +284,12 @@ def _head(file: TraceFile) -> table.Head:
     with file.path.open(encoding="utf-8-sig") as text:
         lines = list(itertools.islice(text, MOST_HEAD + (file.skip or 0)))
     start = _start(file, lines)
-    names, delimiter = table.header(lines[start] if lines else "")
+    names, delimiter = table.header(lines[start])
     if _numbered(file) and _names_columns(file, lines[start]):  # a row
         return table.Head([f"#{k + 1}" for k in range(len(names))], delimiter, start)
     below = lines[start + 1] if start + 1 < len(lines) else ""
     units = [cell.strip().strip("\"'") for cell in below.strip(table.BLANKS).split(delimiter)]
-    if len(units) < len(names) or not any(units) or any(map(_is_number, filter(None, units))) or units == names:
+    if len(units) < len(names) or not any(units) or units == names or any(map(_STARTS_NUMBER.match, units)):
         return table.Head(names, delimiter, start + 1)
     return table.Head(names, delimiter, start + 2, tuple(unit.strip("()[] ") for unit in units))
 
@@ -295,6 +300,8 @@ def _start(file: TraceFile, lines: list[str]) -> int:
     Raises:
         InputError: there is none.
     """
+    if not any(line.strip() for line in lines):
+        raise InputError(f"{file.path}: is empty")
     if not file.columns and not file.skip:
         return 0
     skip = file.skip or 0
