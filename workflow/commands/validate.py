@@ -94,7 +94,7 @@ def _against(arguments: argparse.Namespace) -> RunDirectory | TraceFile | Path |
     words = options.trace_words(arguments) + ["--offset"] * (arguments.offset is not None)
     if words and not isinstance(against, Path):
         raise InputError(f"{words[0].partition('=')[0]}: is for a file of traces (--against FILE)")
-    file = options.trace_file(arguments)
+    file = options.trace_file(arguments, free=False)
     return file if file.described else against
 
 

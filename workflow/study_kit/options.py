@@ -81,11 +81,12 @@ def add_traces(parser: argparse.ArgumentParser, *, free: bool) -> None:
     )
 
 
-def trace_file(arguments: argparse.Namespace) -> TraceFile:
+def trace_file(arguments: argparse.Namespace, *, free: bool) -> TraceFile:
     """The file of traces in ``arguments.against``, as the options of `add_traces` describe it.
 
     Args:
         arguments: arguments of the command.
+        free: whether gains and baselines may be estimated.
 
     Returns:
         The file, which is not read.
@@ -94,14 +95,22 @@ def trace_file(arguments: argparse.Namespace) -> TraceFile:
         InputError: an option is no list of such pairs.
     """
     columns = {} if arguments.columns is None else _pairs(arguments.columns, "--columns", COLUMNS)
-    given: list[dict[str, Given]] = []
-    for option, example in (("gain", "CH1=20.5"), ("baseline", "CH1=0.02")):
-        text = getattr(arguments, option)
-        pairs = {} if text is None else _pairs(text, f"--{option}", example)
-        given.append(
-            {name: "free" if value == FREE else number(value, f"--{option}", example) for name, value in pairs.items()}
-        )
-    return TraceFile(arguments.against, columns, arguments.skip, *given)
+    or_free = " or CH1=free" * free
+    gain = _calibrations(arguments.gain, "--gain", f"CH1=20.5{or_free}", free=free)
+    baseline = _calibrations(arguments.baseline, "--baseline", f"CH1=0.02{or_free}", free=free)
+    return TraceFile(arguments.against, columns, arguments.skip, gain, baseline)
+
+
+def _calibrations(text: str | None, option: str, example: str, *, free: bool) -> dict[str, Given]:
+    """Gains or baselines of columns by ``--gain CH1=20.5,CH2=free``.
+
+    Raises:
+        InputError: it is no such list.
+    """
+    given: dict[str, Given] = {}
+    for name, value in ({} if text is None else _pairs(text, option, example)).items():
+        given[name] = "free" if free and value == FREE else number(value, option, example)
+    return given
 
 
 def trace_words(arguments: argparse.Namespace) -> list[str]:

@@ -1,5 +1,6 @@
 """Compare a run with what a user names: another run, a trajectory in a file, or measured traces in a file."""
 
+import math
 from pathlib import Path
 
 from analysis.files import traces
@@ -45,6 +46,8 @@ def validate_against(
     Raises:
         InputError: the file cannot be read, or the two have no scene, bead or time in common.
     """
+    if offset is not None and not math.isfinite(offset):
+        raise InputError(f"--offset: {offset} given; a time in the units of FILE, such as 0")
     if isinstance(against, RunDirectory):
         if dimensionless:
             raise InputError("--units: is for a file; frames of runs have units of their own")

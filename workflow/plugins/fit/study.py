@@ -258,7 +258,7 @@ def execute(arguments: argparse.Namespace) -> screen.CommandResult:
         library.find(arguments.scene).plain(),
         arguments.scene,
         [name.strip() for name in arguments.free.split(",") if name.strip()],
-        options.trace_file(arguments),
+        options.trace_file(arguments, free=True),
         arguments.offset,
         gradient=arguments.gradient,
     )
