@@ -22,7 +22,6 @@ import numpy as np
 
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import System, laws, physics
-from lammps_inputs.links import partners
 
 
 def overlaps(system: System, displacement: Floats, first: int = 1) -> Floats:
@@ -91,7 +90,7 @@ def bead_energy(system: System, displacement: Floats, velocity: Floats, first: i
         [..., chain, bead] in units of m V**2.
     """
     total = kinetic_energy(system, velocity, first)
-    for link in (*system.along, *system.ground):
+    for link in (*system.along, *system.ground, *system.walls):
         link.shared(total, link.energy(displacement, first))
     return total
 
@@ -188,31 +187,16 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
     bead_x, bead_v = x[frame, chain, bead], v[frame, chain, bead]
     acceleration, rate = np.zeros_like(bead_x), np.zeros_like(bead_x)
 
-    row = block.first - 1 + bead
-    for side in (-1, 1):
-        other = bead + side
-        exists = (other >= 0) & (other < x.shape[2])
-        other = np.where(exists, other, bead)
-        for contact in system.along:
-            law = block.law(contact, frame, chain, np.clip(np.minimum(row, row + side), 0, problem.beads - 2))
-            overlap = side * (bead_x - x[frame, chain, other]) - contact.gap
-            closing = side * (bead_v - v[frame, chain, other])
-            acceleration -= np.where(exists, side * laws.force(law, overlap), 0.0)
-            law = laws.on_branch(law, closing)
-            rate -= np.where(exists, side * laws.stiffness(law, overlap) * closing, 0.0)
-        for spring in system.across:
-            for edge, partner in partners(spring.edges, x.shape[1], side):
-                law = laws.at(spring.law, edge[chain], row) if laws.differs(spring.law) else spring.law
-                other_x, other_v = x[frame, partner[chain], bead], v[frame, partner[chain], bead]
-                acceleration -= laws.force(law, bead_x - other_x)  # none where a chain is its own partner
-                rate -= laws.stiffness(law, bead_x - other_x) * (bead_v - other_v)
-    for ground in system.ground:
-        law, strain = block.law(ground, frame, chain, row), ground.strain(bead_x)
-        if law.varies:
-            law = law.now(block.time[frame])
-            rate -= law.change(strain, *law)
-        acceleration -= ground.side * laws.force(law, strain)
-        rate -= laws.stiffness(laws.on_branch(law, ground.side * bead_v), strain) * bead_v
+    before = block.first - 1
+    for link in system.links:
+        for near in link.of_beads(chain, bead, x.shape[1:]):
+            law = block.law(link, frame, near.line, before + near.place)
+            law = law.now(block.time[frame]) if law.varies else law
+            strain, closing = near.apart(bead_x, x, frame) - link.gap, near.apart(bead_v, v, frame)
+            acceleration -= np.where(near.exists, near.sign * laws.force(law, strain), 0.0)
+            change = laws.stiffness(laws.on_branch(law, closing), strain) * closing + law.change(strain, *law)
+            rate -= np.where(near.exists, near.sign * change, 0.0)
+    row = before + bead
     for load in system.loads:
         at_bead, time = (chain == load.chain - 1) & (row == load.bead - 1), block.time[frame]
         acceleration += np.where(at_bead, load.force(time), 0.0)

@@ -41,7 +41,7 @@ class WallLinks:
 
     Attributes:
         name: name in the deck, such as "right_wall".
-        law: law of the links; its parameters are 0 of all other beads.
+        law: law of the links, of parameters that are numbers or [chain, 1].
         side: 1 for a wall behind the last bead, -1 for one before the first.
         gap: displacement at which the bead touches the wall, in units of L.
         loss: dashpot law of the wall (`lammps_inputs.laws.dashpot`); None if it is undamped.

@@ -12,7 +12,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, create_model
 from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws import Law, Parameter, dimensionless
-from lammps_inputs.links import Across, Link
+from lammps_inputs.links import Links
 from lammps_inputs.loads import Load, Motion
 from lammps_inputs.system import FurtherLine, Noun, System
 from lammps_inputs.units import PURE, Label, Scale, Unit
@@ -186,8 +186,8 @@ class FurtherAtoms(NamedTuple):
     """
 
     mass: NDArray[np.float64]
-    ties: tuple[Across, ...]
-    dampers: tuple[Across, ...] = ()
+    ties: tuple[Links, ...]
+    dampers: tuple[Links, ...] = ()
     noun: tuple[str, str] = ("inner atom", "inner atoms")
     chain_of_line: tuple[int, ...] = ()
 
@@ -200,14 +200,14 @@ class FurtherAtoms(NamedTuple):
 
 def together(
     chains: int, each: Iterable[FurtherAtoms]
-) -> tuple[tuple[FurtherLine, ...], tuple[Across, ...], tuple[Across, ...]]:
+) -> tuple[tuple[FurtherLine, ...], tuple[Links, ...], tuple[Links, ...]]:
     """Lines of all atoms that ingredients add to so many chains, their ties and dashpots.
 
     Lines of one ingredient stand in those of another of the same noun and chain whose places are free, else after them.
     """
     lines: list[FurtherLine] = []
-    ties: list[Across] = []
-    dampers: list[Across] = []
+    ties: list[Links] = []
+    dampers: list[Links] = []
     for atoms in each:
         added = atoms.lines(chains)
         first = next(n for n in range(len(lines) + 1) if all(map(_free, lines[n:], added)))
@@ -231,8 +231,8 @@ class Ingredient(ScenePart):
     Examples:
         >>> class Bed(Ingredient):
         ...     stiffness: float  # in units of m / T^2
-        ...     def links(self, setting: Setting) -> tuple[Ground, ...]:
-        ...         return (Ground("bed", laws.spring.Linear(self.stiffness)),)
+        ...     def links(self, setting: Setting) -> tuple[Links, ...]:
+        ...         return (Links.ground("bed", laws.spring.Linear(self.stiffness)),)
         >>> [bed] = Bed(stiffness=0.2).links(granchain.load("one-chain").setting)
         >>> bed.strain(np.array([[0.0, 0.3]]))  # [chain, bead], in units of L
         array([[0. , 0.3]])
@@ -272,7 +272,7 @@ class Ingredient(ScenePart):
         """Publications of the models that it has chosen."""
         return self.sources
 
-    def links(self, setting: Setting) -> tuple[Link, ...]:  # noqa: ARG002
+    def links(self, setting: Setting) -> tuple[Links, ...]:  # noqa: ARG002
         """The links that it makes, dimensionless; none where its numbers come to nothing."""
         return ()
 
@@ -313,7 +313,7 @@ class Ingredient(ScenePart):
         """Factors on the strengths of the contacts, a number or [chain, contact]."""
         return 1.0
 
-    def dampers(self, setting: Setting) -> tuple[Link, ...]:  # noqa: ARG002
+    def dampers(self, setting: Setting) -> tuple[Links, ...]:  # noqa: ARG002
         """Links with laws of damping (`lammps_inputs.laws.dashpot`), dimensionless; they store no energy."""
         return ()
 

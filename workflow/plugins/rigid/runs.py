@@ -119,12 +119,10 @@ class RigidEngine(engines.Engine):
         """Whether a run came to its end."""
         return job.outcome == "done"
 
-    def impulses(
-        self, path: Path, problem: Problem, direction: int = 1, until: float | None = None
-    ) -> impulses.Impulses:
+    def impulses(self, path: Path, problem: Problem, until: float | None = None) -> impulses.Impulses:
         """Impulses by the collisions that ``events.csv`` lists."""
         collisions = from_csv(path / EVENTS, problem.scale)
-        return from_events(problem, collisions if until is None else collisions.until(until), direction)
+        return from_events(problem, collisions if until is None else collisions.until(until))
 
     def rounded_from(self, job: job.Job) -> float | None:
         """Time in the scene's unit of the first collision that follows rounding; None where none does."""
