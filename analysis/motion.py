@@ -39,8 +39,12 @@ def overlaps(system: System, displacement: Floats, first: int = 1) -> Floats:
 
 
 def rest_overlap(system: System, chain: Integers, contact: Integers) -> Any:
-    """Overlap at rest at positions (chain, contact) from 0, of their shape or a number; the last contact beyond it."""
-    rest = system.along[0].law.rest
+    """Overlap at rest, less than 0 where there is a gap, at positions (chain, contact) from 0, of their shape.
+
+    A number where all are the same; beyond the last contact that of the last.
+    """
+    contacts = system.along[0]
+    rest = contacts.law.rest - contacts.gap
     return rest[chain, np.clip(contact, 0, system.beads - 2)] if np.ndim(rest) else rest
 
 
@@ -192,7 +196,10 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
         for near in link.of_beads(chain, bead, x.shape[1:]):
             law = block.law(link, frame, near.line, before + near.place)
             law = law.now(block.time[frame]) if law.varies else law
-            strain, closing = near.apart(bead_x, x, frame) - link.gap, near.apart(bead_v, v, frame)
+            strain, closing = (
+                near.apart(bead_x, x, frame) - link.gap_at(near.line, before + near.place),
+                near.apart(bead_v, v, frame),
+            )
             acceleration -= np.where(near.exists, near.sign * laws.force(law, strain), 0.0)
             change = laws.stiffness(laws.on_branch(law, closing), strain) * closing + law.change(strain, *law)
             rate -= np.where(near.exists, near.sign * change, 0.0)
@@ -254,7 +261,7 @@ def larger_overlap(block: Trajectory, frame: Integers, chain: Integers, bead: In
         x = block.displacement
         for side in (-1, 1):
             other = np.clip(bead + side, 0, x.shape[2] - 1)
-            overlap = side * (x[frame, chain, bead] - x[frame, chain, other]) - physics.gap(block.problem.system)
+            overlap = side * (x[frame, chain, bead] - x[frame, chain, other])
             overlap = overlap + rest_overlap(block.problem.system, chain, block.first - 1 + np.minimum(bead, other))
             result = np.fmax(result, np.where(other == bead, -np.inf, overlap))
     return result

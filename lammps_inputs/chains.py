@@ -6,11 +6,11 @@ from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Links
 
 
-def contacts(gap: float, strength: Parameter = 1.0, law: Law | None = None) -> tuple[Links, ...]:
+def contacts(gap: Parameter, strength: Parameter = 1.0, law: Law | None = None) -> tuple[Links, ...]:
     """Contacts, which begin to touch a clear distance ``gap`` (in units of L) from rest.
 
     Args:
-        gap: gap of all contacts.
+        gap: gap of all contacts, or [chain, contact].
         strength: strength over that of two reference beads, a number or [chain, contact].
         law: law of the contacts; Hertz's of this strength by default.
     """

@@ -21,7 +21,7 @@ def layout_of(system: System) -> BeadLayout:
         rows=system.beads,
         gap=physics.gap(system),
         diameter=_diameter(system),
-        rest=system.along[0].law.rest,
+        closer=system.along[0].law.rest if physics.one_gap(system) else physics.gap(system) - system.along[0].gap,
         even=physics.even(system),
         farthest=physics.farthest(system),
         others=system.others,
@@ -36,7 +36,7 @@ def layout_of(system: System) -> BeadLayout:
 
 def wall_of(wall: Links, system: System) -> WallLinks:
     """A wall of a system with its dashpot, for the deck."""
-    return WallLinks(wall.name, wall.law, wall.side, wall.gap, physics.loss_beside(system, wall))
+    return WallLinks(wall.name, wall.law, wall.side, float(wall.gap), physics.loss_beside(system, wall))
 
 
 def across_of(link: Links, system: System) -> LinksAcross:

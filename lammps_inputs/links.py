@@ -86,7 +86,7 @@ class Links:
         name: name for users, such as "coupling".
         law: law of every link.
         first, second: beads at the ends; None of places that never move.
-        gap: clear distance of the ends at rest.
+        gap: clear distance of the ends at rest: a number, or [chain, contact] along the chains.
         grid: rows and columns in which chains stand that are tied, numbered row by row, where they are a lattice.
         curved: whether a place has as curved a surface as the bead that meets it, as another bead has; else it is flat.
 
@@ -101,7 +101,7 @@ class Links:
     law: Law
     first: Beads | None
     second: Beads | None
-    gap: float = 0.0
+    gap: float | Floats = 0.0
     grid: tuple[int, int] | None = None
     curved: bool = False
 
@@ -109,9 +109,9 @@ class Links:
         """Whether all is the same, to the last number of every array."""
         if not isinstance(other, Links) or type(self.law) is not type(other.law):
             return False
-        named = [field.name for field in fields(self) if field.name != "law"]
+        named = [field.name for field in fields(self) if field.name not in ("law", "gap")]
         return all(getattr(self, name) == getattr(other, name) for name in named) and all(
-            map(np.array_equal, self.law, other.law)
+            map(np.array_equal, (self.gap, *self.law), (other.gap, *other.law))
         )
 
     def __hash__(self) -> int:
@@ -120,13 +120,13 @@ class Links:
     # --- kinds --------------------------------------------------------------------------------------------------------
 
     @classmethod
-    def along(cls, name: str, law: Law, gap: float = 0.0) -> "Links":
+    def along(cls, name: str, law: Law, gap: float | Floats = 0.0) -> "Links":
         """Links of each bead with the next of its chain, [..., chain, contact]; contact i is that of beads i and i + 1.
 
         Args:
             name: name for users.
             law: law of every link.
-            gap: clear distance at rest.
+            gap: clear distance at rest, a number or [chain, contact].
         """
         return cls(name, law, Beads(slice(None, -1)), Beads(slice(1, None)), gap)
 
@@ -235,17 +235,26 @@ class Links:
             else:
                 yield LinksOfBeads(np.ones(bead.shape, dtype=bool), sign, chain, bead, None)
 
+    @property
+    def differ(self) -> bool:
+        """Whether law or gap differ from link to link."""
+        return np.ndim(self.gap) > 0 or laws.differs(self.law)
+
+    def gap_at(self, *index: Any) -> Any:
+        """Gaps of chosen links, an index of [chain, contact] from 0; the number where all have the same."""
+        return self.gap[index] if isinstance(self.gap, np.ndarray) else self.gap
+
     def lines_among(self, chains: int) -> slice:
         """Lines of atoms, the chains first, among which these links may be: all of links across, else the chains."""
         return slice(None) if self.kind == "across" else slice(chains)
 
     def on(self, rows: slice | Integers) -> Self:
         """Links among chosen rows, [row], counted from 0; each is taken to be next to the one before."""
-        if self.kind == "wall" or not laws.differs(self.law):
+        if self.kind == "wall" or not self.differ:
             return self
         if self.kind == "along":
             rows = slice(rows.start, rows.stop - 1) if isinstance(rows, slice) else rows[:-1]
-        return replace(self, law=laws.at(self.law, Ellipsis, rows))
+        return replace(self, law=laws.at(self.law, Ellipsis, rows), gap=self.gap_at(Ellipsis, rows))
 
     def at(self, time: Any) -> Self:
         """Links at a time, a number or [...]; their law then does not depend on time."""
@@ -269,36 +278,41 @@ class Links:
 
     def overlap(self, displacement: Floats, first: int = 1) -> Floats:
         """Overlap at each link, [..., link], that at rest included."""
-        return np.asarray(self.strain(displacement) + self._seen(displacement, first).rest)
+        seen = self._seen(displacement, first)
+        return np.asarray(seen.strain(displacement) + seen.law.rest)
 
     def energy(self, displacement: Floats, first: int = 1) -> Floats:
         """Energy stored in each link, [..., link], at displacements [..., chain, bead]."""
-        return np.asarray(laws.energy(self._seen(displacement, first), self.strain(displacement)))
+        seen = self._seen(displacement, first)
+        return np.asarray(laws.energy(seen.law, seen.strain(displacement)))
 
     def force(self, displacement: Floats, first: int = 1) -> Floats:
         """Force of each link, [..., link], at displacements [..., chain, bead]."""
-        return np.asarray(laws.force(self._seen(displacement, first), self.strain(displacement)))
+        seen = self._seen(displacement, first)
+        return np.asarray(laws.force(seen.law, seen.strain(displacement)))
 
     def force_rate(self, displacement: Floats, velocity: Floats) -> Floats:
         """Rate of change of the force of each link, [..., link], in units of m V / T**2."""
-        law: Any = self._seen(displacement, 1)
-        s = self.strain(displacement)
+        seen = self._seen(displacement, 1)
+        law, s = seen.law, seen.strain(displacement)
         return np.asarray(laws.stiffness(law, s) * self.rate(velocity) + law.change(s, *law))
 
     def damping(self, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
         """Force of each dashpot, [..., link], which is 0 at rest."""
-        law = self._seen(displacement, first)
-        return np.asarray(dashpot.damping(law, self.strain(displacement), self.rate(velocity)))
+        seen = self._seen(displacement, first)
+        return np.asarray(dashpot.damping(seen.law, seen.strain(displacement), self.rate(velocity)))
 
     def damping_rate(self, displacement: Floats, velocity: Floats, acceleration: Floats, first: int = 1) -> Floats:
         """Rate of change of the force of each dashpot, [..., link], in units of m V / T**2, but for jumps."""
-        law, s = self._seen(displacement, first), self.strain(displacement)
-        return np.asarray(dashpot.change(law, s, self.rate(velocity), self.rate(acceleration)))
+        seen = self._seen(displacement, first)
+        return np.asarray(
+            dashpot.change(seen.law, seen.strain(displacement), self.rate(velocity), self.rate(acceleration))
+        )
 
     def given(self, displacement: Floats, first: int = 1) -> Floats:
         """Impulse of each dashpot, [..., link], in units of m V, since its strain was 0, as if no tension were cut."""
-        law = self._seen(displacement, first)
-        return np.asarray(law.impulse(self.strain(displacement), *law))
+        seen = self._seen(displacement, first)
+        return np.asarray(seen.law.impulse(seen.strain(displacement), *seen.law))
 
     # --- sums over links ----------------------------------------------------------------------------------------------
 
@@ -328,9 +342,9 @@ class Links:
         for edge, line in enumerate(beads.lines):  # edges may share a line
             total[..., line, :] += factor * values[..., edge, :]
 
-    def _seen(self, displacement: Floats, first: int) -> Law:
-        """Law of the links among the beads of an array."""
-        return self.on(slice(first - 1, first - 1 + displacement.shape[-1])).law
+    def _seen(self, displacement: Floats, first: int) -> Self:
+        """Links among the beads of an array."""
+        return self.on(slice(first - 1, first - 1 + displacement.shape[-1]))
 
     @cached_property
     def _indices(self) -> tuple[Any, Any]:

@@ -71,7 +71,7 @@ def mass_from(system: System, first: int, array: NDArray[np.float64], absent: fl
 @once
 def alike(system: System) -> bool:
     """Whether all beads, and all their contacts, are the same."""
-    return isinstance(system.mass, float) and not any(laws.differs(link.law) for link in system.along)
+    return isinstance(system.mass, float) and not any(link.differ for link in system.along)
 
 
 @once
@@ -150,7 +150,7 @@ def farthest(system: System) -> float:
 
 def uniform(system: System) -> bool:
     """Whether no law differs from link to link, so that the beads might be more."""
-    return isinstance(masses(system), float) and not any(laws.differs(link.law) for link in system.links)
+    return isinstance(masses(system), float) and not any(link.differ for link in system.links)
 
 
 # --- what sets beads in motion ----------------------------------------------------------------------------------------
@@ -232,9 +232,15 @@ def exchanges(system: System) -> bool:
 # --- contacts ---------------------------------------------------------------------------------------------------------
 
 
+@once
 def gap(system: System) -> float:
-    """Clear distance between neighbouring beads; 0 where they touch."""
-    return system.along[0].gap
+    """Clear distance between neighbouring beads, the largest if they differ; 0 where all touch."""
+    return float(np.max(system.along[0].gap))
+
+
+def one_gap(system: System) -> bool:
+    """Whether all neighbouring beads are the same clear distance apart, or touch."""
+    return np.ndim(system.along[0].gap) == 0
 
 
 def exponent(system: System) -> float | None:
@@ -251,7 +257,7 @@ def loaded(system: System) -> bool:
 
 def even(system: System) -> bool:
     """Whether all neighbouring beads are equally far apart at rest."""
-    return not any(np.ndim(link.law.rest) for link in system.along)
+    return one_gap(system) and not any(np.ndim(link.law.rest) for link in system.along)
 
 
 @once

@@ -67,6 +67,9 @@ def _of_beads(scene: "BaseScene") -> Iterator[BeadColumn]:
 
 
 def _of_link(link: Links, scene: "BaseScene") -> Iterator[BeadColumn]:
+    if np.ndim(link.gap) > 0:
+        for _, table in _at_beads(link, link.gap, scene):
+            yield BeadColumn(scene.scale.heading("gap", "length"), scene.scale.length * table)
     hints = get_type_hints(type(link.law), include_extras=True)
     for parameter, values in link.law.by_name.items():
         dimension = dimension_of(hints[parameter])

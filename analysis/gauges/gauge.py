@@ -127,15 +127,18 @@ def _probe(system: System, place: int) -> Probe:
 
     def force(strain: Floats, chain: Integers, state: Floats | None) -> Floats:
         """Total force of the contact, of the strain's shape [chain, ...]."""
-        laws_at = ((link, laws.at_state(laws.at(link.law, chain, position), state)) for link, position in contacts)
-        return np.asarray(sum(laws.force(law, strain - link.gap) + law.load for link, law in laws_at))
+        laws_at = (
+            (laws.at_state(laws.at(link.law, chain, position), state), link.gap_at(chain, position))
+            for link, position in contacts
+        )
+        return np.asarray(sum(laws.force(law, strain - gap) + law.load for law, gap in laws_at))
 
     def loss(strain: Floats, rate: Floats, chain: Integers) -> Floats:
         """Force of the dashpot, of the strain's shape [chain, ...]; 0 where the contact is open."""
         (link, position), *_ = dashpots
         law: Any = laws.at(link.law, chain, position)
-        closed = strain - link.gap + law.rest > TOUCHING
-        return np.where(closed, dashpot.damping(law, strain - link.gap, rate), 0.0)
+        strain = strain - link.gap_at(chain, position)
+        return np.where(strain + law.rest > TOUCHING, dashpot.damping(law, strain, rate), 0.0)
 
     static = sum(
         np.broadcast_to(laws.at(link.law, chains, position).load, system.chains) for link, position in contacts

@@ -217,7 +217,7 @@ class ImpulseMeter(Meter[_Pushes, Impulses]):
 
     def _overlaps(self, block: Trajectory) -> Floats:
         x = block.displacement
-        strain = x[..., self._behind] - x[..., self._behind + 1] - physics.gap(self.problem.system)
+        strain = x[..., self._behind] - x[..., self._behind + 1]
         chain = np.arange(self.problem.chains)[:, np.newaxis]
         return np.asarray(strain + motion.rest_overlap(self.problem.system, chain, self._bead - 2))
 

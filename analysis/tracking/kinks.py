@@ -80,8 +80,9 @@ def _beside_bead(
             if link.kind == "ground" or system.is_tie(link):
                 continue
             for near in link.of_beads(chain, bead, block.displacement.shape[1:]):
-                law = block.law(link, at, near.line, block.first - 1 + near.place)
-                slope = np.abs(slope_of(law, near.apart(x, block.displacement, at) - link.gap)).max(axis=0)
+                index = near.line, block.first - 1 + near.place
+                strain = near.apart(x, block.displacement, at) - link.gap_at(*index)
+                slope = np.abs(slope_of(block.law(link, at, *index), strain)).max(axis=0)
                 yield *(near.other or (chain, bead)), order, np.where(near.exists, slope, 0.0)
 
 
@@ -109,7 +110,7 @@ def _begun(block: Trajectory, start: Integers, chain: Integers, bead: Integers, 
         for near in link.of_beads(chain, bead, block.displacement.shape[1:]):
             index = near.line, block.first - 1 + near.place
             law, loss = block.law(link, at, *index), None if damper is None else laws.at(damper, *index)
-            overlap = near.apart(x, block.displacement, at) - link.gap + law.rest
+            overlap = near.apart(x, block.displacement, at) - link.gap_at(*index) + law.rest
             closing = near.apart(v, block.velocity, at)
             forces = partial(_of_contacts, law, loss)
             pressing = _pressing(law, forces, integrations, overlap, closing, block.spacing)

@@ -170,6 +170,8 @@ def _of_link(link: Links, system: System, layout: BeadLayout) -> DeckLines:
     """The law's own lines; contacts whose law spells no dashpots of its own have them beside."""
     if getattr(link.law, _kind(link)) is None:
         raise engine_limits.FORCES.error(link.name)
+    if link.edges and not system.is_tie(link) and not physics.one_gap(system) and np.any(np.ptp(layout.places, axis=0)):
+        raise engine_limits.ROWS.error(link.name)
     if _kind(link) == "wall":
         return wall_lines(wall_of(link, system), layout)
     lines: DeckLines = getattr(link.law, _kind(link))(across_of(link, system) if link.edges else link.name, layout)
@@ -321,7 +323,8 @@ def _title(problem: Problem) -> list[str]:
     system = problem.system
     parts = [f"{problem.chains} chain{'s' * (problem.chains > 1)} of {problem.beads} beads"]
     if physics.gap(system):
-        parts.append(f"gap {physics.gap(system):.6g}")
+        least, largest = float(np.min(system.along[0].gap)), physics.gap(system)
+        parts.append(f"gap {largest:.6g}" if physics.one_gap(system) else f"gaps {least:.6g} to {largest:.6g}")
     if physics.loaded(system):
         parts.append("under a static load")
     if physics.coupled(system):

@@ -49,7 +49,7 @@ class Setting:
     Attributes:
         chains: number of chains.
         beads: number of beads of each chain.
-        gap: clear distance between neighbouring beads, in the units of the scene.
+        gap: clear distance between neighbouring beads, in the units of the scene: a number, or [chain, contact].
         material: material of the beads; None where numbers have no units.
         kicks: initial velocities, those of strikers included.
         scale: dimensionless units in those of the scene.
@@ -67,13 +67,24 @@ class Setting:
 
     chains: int
     beads: int
-    gap: float
+    gap: float | NDArray[np.float64]
     material: Any
     kicks: tuple[Any, ...]
     scale: Scale
     contact_scale: tuple[float, float | None]
     parts: Mapping[str, Any]
     named: "tuple[tuple[str, Ingredient], ...]"
+
+    @property
+    def contacts(self) -> tuple[int, int]:
+        """Number of chains, and of the contacts of each."""
+        return self.chains, self.beads - 1
+
+    @property
+    def gap_of_walls(self) -> float:
+        """Clear distance of walls from the beads at the ends, which they touch where the scene's gap is no number."""
+        gap = self.part("gap")
+        return gap if isinstance(gap, float) else 0.0
 
     def part(self, key: str) -> Any:
         """Part of the scene under a key; None where it names none."""

@@ -156,7 +156,7 @@ class Contact(Ingredient):
 
     def strengths(self, setting: Setting) -> Parameter:
         """Strengths of the contacts, a number or [chain, contact]."""
-        return 1.0 if self.strength is None else profile.values_of("contact.strength", self.strength, setting)
+        return 1.0 if self.strength is None else profile.values_of("contact.strength", self.strength, setting.contacts)
 
 
 def of_power(strength: Parameter, exponent: float) -> Hertz | Power:

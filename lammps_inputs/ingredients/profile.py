@@ -1,4 +1,4 @@
-"""Values that differ from contact to contact: lists, and profiles of a ramp, a cosine and random factors.
+"""Values that differ from contact to contact: lists, profiles of a ramp, a cosine and random factors, and gaps.
 
 Contact n lies between beads n and n + 1.
 
@@ -9,19 +9,34 @@ Examples:
 """
 
 import math
+import re
 from typing import Annotated, Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Discriminator, Field, Tag
+from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from lammps_inputs.ingredients import base
-from lammps_inputs.ingredients.base import Phase, Positive, Rows, ScenePart, Seed, Setting, Spread
+from lammps_inputs.ingredients.base import NotNegative, Phase, Positive, Rows, ScenePart, Seed, Spread
 from lammps_inputs.numbers import random_shares
-from lammps_inputs.units import PURE
+from lammps_inputs.units import PURE, Label, Unit
 
 Floats = NDArray[np.float64]
 Factor = Annotated[Positive, PURE]
+
+
+Length = Annotated[NotNegative, Unit("m")]
+
+
+def _numbers_as_text(value: Any) -> Any:
+    """Keys that Python has as whole numbers as the text that files have."""
+    if not isinstance(value, dict):
+        return value
+    text = {str(key): inner for key, inner in value.items()}
+    wrong = [key for key in text if not re.fullmatch("[1-9][0-9]{0,7}", key)]
+    if wrong or not text:
+        raise ValueError("should hold numbers of contacts and their gaps, such as {1: 0.1}")
+    return text
 
 
 @base.with_keys(
@@ -53,12 +68,13 @@ class Profile(ScenePart):
     seed: Seed | None = None
     """Seed of the random factors, which are the same on any machine; 1 if omitted."""
 
-    def refuse(self, key: str, contacts: int, mean: float) -> None:
-        """Refuse keys that miss others, and values that are not positive.
+    def values(self, key: str, shape: tuple[int, int], mean: float) -> Floats:
+        """Values, [chain, contact], that fit the chains (`values_of`)."""
+        self._refuse(key, shape[1], mean)
+        return self.of(shape, mean)
 
-        Raises:
-            ValueError: naming the key, what was found and what to do.
-        """
+    def _refuse(self, key: str, contacts: int, mean: float) -> None:
+        """Refuse keys that miss others, and values that are not positive."""
         if not self.model_fields_set:
             raise ValueError(f"{key}: names nothing; valid: `{key.rpartition('.')[2]}: {self.example}`")
         parts = {("from", "to", "contacts"): (), ("amplitude", "wavenumber"): ("phase",), ("spread",): ("seed",)}
@@ -86,20 +102,58 @@ class Profile(ScenePart):
             values += self.amplitude * np.cos(angle)
         if self.contacts is not None:
             values = np.interp(number, self.contacts, [getattr(self, end) for end in ("from", "to")]) * values
-        if self.spread:
-            least, largest = 1.0 - self.spread, 1.0 + self.spread
-            shares = random_shares(1 if self.seed is None else self.seed, shape[0] * shape[1])
-            values *= (least + (largest - least) * shares).reshape(shape)
-        return values
+        return values * random_factors(self.spread, self.seed, shape)
 
     def _mean(self, mean: float) -> float:
         """Mean of the cosine; the value in its place where there is no ramp either."""
         return self.mean if self.mean is not None else mean if self.contacts is None else 1.0
 
 
+class Gaps(ScenePart):
+    """Gaps of single contacts by their numbers, or random ones."""
+
+    example: ClassVar[str] = "{mean: 0.1, spread: 0.5}"
+
+    contacts: Annotated[Annotated[dict[str, Length], BeforeValidator(_numbers_as_text)] | None, Label("gap")] = None
+    """Gaps of contacts by their numbers, `{1: 0.1, 3: 0.3}`, in every chain; other beads touch."""
+    mean: Annotated[Positive, Unit("m")] | None = None
+    """Mean of random gaps."""
+    spread: Spread | None = None
+    """Largest relative deviation of random gaps from their mean."""
+    seed: Seed | None = None
+    """Seed of random gaps, which are the same on any machine; 1 if omitted."""
+
+    def values(self, key: str, shape: tuple[int, int], mean: float) -> Floats:  # noqa: ARG002
+        """Gaps, [chain, contact], that fit the chains (`values_of`)."""
+        if (self.contacts is None) == (self.mean is None):
+            reason = "neither is given" if self.mean is None else "both are given"
+            raise ValueError(f"{key}: give either contacts or mean ({reason}); valid: `{key}: {self.example}`")
+        if self.mean is not None and self.spread is None:
+            raise ValueError(f"{key}.spread: is missing beside mean")
+        if self.mean is None and (self.spread is not None or self.seed is not None):
+            raise ValueError(f"{key}.mean: is missing beside {'seed' if self.spread is None else 'spread'}")
+        if self.mean is not None:
+            return np.full(shape, self.mean) * random_factors(self.spread, self.seed, shape)
+        gaps = np.zeros(shape)
+        for contact, gap in (self.contacts or {}).items():
+            if int(contact) > shape[1]:
+                raise ValueError(f"{key}.contacts: {contact} is outside the chain (contacts 1 to {shape[1]})")
+            gaps[:, int(contact) - 1] = gap
+        return gaps
+
+
+def random_factors(spread: float | None, seed: int | None, shape: tuple[int, int]) -> float | Floats:
+    """Factors of ``numpy.random.default_rng(seed).uniform(1 - spread, 1 + spread, shape)``; 1 without a spread."""
+    if not spread:
+        return 1.0
+    least, largest = 1.0 - spread, 1.0 + spread
+    shares = random_shares(1 if seed is None else seed, shape[0] * shape[1])
+    return np.asarray(least + (largest - least) * shares).reshape(shape)
+
+
 def kind_of_values(value: Any) -> str:
     """Tag of what is given: keys, a row for all chains, rows of chains, or a number."""
-    if isinstance(value, dict | Profile):
+    if isinstance(value, dict | ScenePart):
         return "<keys>"
     rows = isinstance(value, tuple | list) and any(isinstance(row, tuple | list) for row in value)
     return "<rows>" if rows else "<row>" if isinstance(value, tuple | list) else "<plain>"
@@ -124,28 +178,36 @@ Values = Annotated[
 """A number for all contacts, or what differs (`Listed`)."""
 
 
-def values_of(key: str, given: Any, setting: Setting, mean: float = 1.0) -> float | Floats:
+GapValues = Annotated[
+    Annotated[Length, Tag("<plain>")]
+    | Annotated[Gaps, Tag("<keys>")]
+    | Annotated[tuple[Length, ...], Tag("<row>")]
+    | Annotated[tuple[tuple[Length, ...], ...], Tag("<rows>")],
+    Discriminator(kind_of_values),
+]
+"""A gap of all contacts, gaps by contact or at random, a list, or a list of such lists, one a chain."""
+
+
+def values_of(key: str, given: Any, shape: tuple[int, int], mean: float = 1.0) -> float | Floats:
     """Values of the contacts: a number, or [chain, contact].
 
     Args:
         key: key in messages.
-        given: a number, a profile, a list or a list of lists.
-        setting: the scene.
+        given: a number, a profile or gaps, a list or a list of lists.
+        shape: number of chains, and of contacts of each.
         mean: see `Profile.of`.
 
     Raises:
         ValueError: they do not fit the chains; names the key, what was found and what to do.
     """
-    shape = (setting.chains, setting.beads - 1)
-    if isinstance(given, Profile):
-        given.refuse(key, shape[1], mean)
-        return given.of(shape, mean)
+    if isinstance(given, Profile | Gaps):
+        return given.values(key, shape, mean)
     if not isinstance(given, tuple):
         return float(given)
     rows = given if isinstance(given[0] if given else None, tuple) else (given,)
     if len(rows) != 1:
-        base.refuse_other_count(key, rows, setting.chains, noun="lists")
+        base.refuse_other_count(key, rows, shape[0], noun="lists")
     for row in rows:
         if len(row) != shape[1]:
-            raise ValueError(f"{key}: {len(row)} numbers for the {shape[1]} contacts of {setting.beads} beads")
+            raise ValueError(f"{key}: {len(row)} numbers for the {shape[1]} contacts of {shape[1] + 1} beads")
     return np.array(np.broadcast_to(rows, shape))

@@ -110,7 +110,7 @@ class Walls(Ingredient):
             if kind is not None:
                 strength = _of_chains(_strength(kind, setting, last))
                 law = setting.law_between(strength, partial(_solids, kind, setting, last)) or Hertz(strength)
-                gap = setting.gap / setting.scale.length
+                gap = setting.gap_of_walls / setting.scale.length
                 walls.append(Links.wall(f"{key}_wall", law, side, gap, curved=kind == "bead"))
         return tuple(walls)
 

@@ -126,7 +126,7 @@ class Dashpot(DashpotLaw):
         if not (every and layout.alike):
             raise engine_limits.COUPLING_DASHPOTS.error("damping.coupling")
         types = np.repeat(1 + np.arange(layout.chains)[:, np.newaxis] % 2, layout.beads, axis=1)
-        pressed = float(np.max(layout.rest))
+        pressed = float(np.max(layout.closer))
         apart = layout.diameter + layout.gap
         cutoff = text(4.25**0.5 * apart if pressed == 0.0 else math.hypot(2.0 * apart, 0.5 * (apart - pressed)))
         return DeckLines(

@@ -121,7 +121,7 @@ _YAML = [
     BadScene("deep mapping", "{a: " * 5_000, "", "nested too deeply"),
     BadScene("object of Python", scene_text(name="!!python/object/apply:os.system [ls]"), "line 1", "tags"),
     BadScene("tag on nothing", scene_text(gap='!!int ""'), "line 5", "tags"),
-    BadScene("number as key", scene_text() + "3: 4\n", "line 5", "plain words"),
+    BadScene("number as key", scene_text() + "1.5: 4\n", "line 5", "plain words"),
     BadScene(
         "decimal comma between braces",
         scene_text() + "coupling: {model: linear, stiffness: 0,1}\n",
@@ -168,7 +168,7 @@ _TYPES = [
     _changed("sexagesimal", "duration:", "number, '1:30' given", duration="1:30"),
     _changed("hexadecimal", "duration:", "number, '0x10' given", duration="0x10"),
     _changed("underscored", "duration:", "number, '1_000' given", duration="1_000"),
-    _changed("list for a number", "gap:", "number, [1, 2] given", gap="[1, 2]"),
+    _changed("list for a number", "duration:", "number, [1, 2] given", duration="[1, 2]"),
     _changed("list for a name", "name:", "text, ['a'] given", name="[a]"),
     _changed("number for a name", "name:", "text, 7 given", name="7"),
     _changed("number for a coupling", "coupling:", "such as `coupling: {stiffness: 0.1}`, 0.1", coupling="0.1"),
@@ -407,6 +407,7 @@ _UNLIKE_ENDS = {
     "kinds": {"heavy": {}, "light": {"mass": 0.5, "stiffness": 2.0}},
     "pattern": [["heavy", "heavy", "light", "light"], ["light", "light", "heavy", "heavy"]],
 }
+_GAPS = {"contacts": {"1": 0.1}}
 _FOR_SPHERES = "the contact constant of such a wall is known for spheres, of exponent 1.5, not 2"
 
 REFUSED = [
@@ -567,6 +568,18 @@ REFUSED = [
     _graded(": 3 lists for 2 chains; one, or one for each", [[1.0] * 11 for _ in range(3)]),
     _graded(": the contact strength goes from 1 to 1e+07 of the", {**_RAMP, "to": 1e7}),
     _refused("window: its rows represent one row after another", contact={"strength": _RAMP}, **_WINDOW),
+    _refused("gap: 2 numbers for the 11 contacts of 12 beads", gap=[0.1, 0.2]),
+    _refused("gap: should be a number, 'x' given", gap="x"),
+    _refused("gap: give either contacts or mean (neither is given); valid: `gap: {mean: 0.1", gap={}),
+    _refused("gap: give either contacts or mean (both are given)", gap={**_GAPS, "mean": 0.1}),
+    _refused("gap.spread: is missing beside mean", gap={"mean": 0.1}),
+    _refused("gap.mean: is missing beside seed", gap={**_GAPS, "seed": 2}),
+    _refused("gap.contacts: 12 is outside the chain (contacts 1 to 11)", gap={"contacts": {"12": 0.1}}),
+    _refused("gap.contacts: should hold numbers of contacts and their gaps", gap={"contacts": {"one": 0.1}}),
+    _refused("gap.contacts.1: should be greater than or equal to 0, -0.1 given", gap={"contacts": {"1": -0.1}}),
+    _refused("window: its rows represent one row after another, and the gaps differ", gap=_GAPS, **_WINDOW),
+    _refused("gap: beads under a static load touch", gap=_GAPS, precompression={"force": 0.1}),
+    _refused("kick: none ever closes the gap", gap=_GAPS, kick={"bead": 1, "velocity": -1.0}),
     _refused("contact: names nothing; valid: `contact: {exponent: 2}`", contact={}),
     _yields("contact.yield.overlap: should be greater than 0, 0.0 given", {"overlap": 0.0}),
     _yields("contact.yield.overlap: should be", {"overlap": "nan"}),

@@ -22,7 +22,17 @@ from lammps_inputs.output import Forces, Limits, Output, Spectra
 from lammps_inputs.scene import Kick, Material, Scene
 from lammps_inputs.units import Unit
 
-_TYPES: list[type[BaseModel]] = [Material, Kick, Output, Forces, Spectra, Limits, coupling.Ramp, profile.Profile]
+_TYPES: list[type[BaseModel]] = [
+    Material,
+    Kick,
+    Output,
+    Forces,
+    Spectra,
+    Limits,
+    coupling.Ramp,
+    profile.Profile,
+    profile.Gaps,
+]
 _TYPES += [DeckAtoms]
 _TYPES += [foundation.GroundRamp, foundation.Modulation, plastic.Yield]
 _TYPES += [unequal.BeadKind, unequal.Replacement, unequal.Disorder, unequal.Striker]
@@ -127,8 +137,9 @@ def _valid(spelled: dict[str, Any], defs: dict[str, Any]) -> str:
         return ", ".join(f"`{_value(value)}`" for value in spelled.get("enum", [spelled.get("const")]))
     kind = spelled.get("type")
     if kind == "object":
-        keys = spelled.get("properties")
-        return f"`{{{', '.join(keys)}}}`" if keys else "`{name: kind}`"
+        keys, values = spelled.get("properties"), spelled.get("additionalProperties")
+        by_number = isinstance(values, dict) and values.get("type") == "number"
+        return f"`{{{', '.join(keys)}}}`" if keys else "`{contact: gap}`" if by_number else "`{name: kind}`"
     if kind == "array":
         prefix = spelled.get("prefixItems")
         if prefix:

@@ -26,8 +26,8 @@ def mirrored_problem(problem: Problem) -> Problem:
             return next((other for this, other in ((FIRST, LAST), (LAST, FIRST)) if beads == this), beads)
 
         swapped = ({"first": end(x.second), "second": end(x.first)} if x.kind == "wall" else {} for x in links)
-        laws_of = (laws.at(link.law, Ellipsis, BACK) for link in links)
-        return tuple(replace(x, law=law, **ends) for x, law, ends in zip(links, laws_of, swapped, strict=True))
+        values = ({"law": laws.at(x.law, Ellipsis, BACK), "gap": x.gap_at(Ellipsis, BACK)} for x in links)
+        return tuple(replace(x, **of_links, **ends) for x, of_links, ends in zip(links, values, swapped, strict=True))
 
     def at_other_bead(parts: Any, **changed: Any) -> Any:
         there = ({name: change(getattr(part, name)) for name, change in changed.items()} for part in parts)

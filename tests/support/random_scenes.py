@@ -86,7 +86,9 @@ def _draw_more(chance: random.Random, number: int | str) -> Scene:
     output: dict[str, Any] = {"every": 0.5}
     if chance.random() < 0.3:
         output |= {"beads": sorted(chance.sample(range(1, beads + 1), 2))}
-    more |= {"gap": chance.choice([0.0, 0.0, chance.uniform(0.1, 3.0)]), "duration": chance.uniform(15.0, 60.0)}
+    gaps = [chance.choice([0.0, chance.uniform(0.1, 2.0)]) for _ in range(beads - 1)]
+    gap = chance.choice([0.0, 0.0, chance.uniform(0.1, 3.0), gaps])
+    more |= {"gap": gap, "duration": chance.uniform(15.0, 60.0)}
     more |= {"scheme": chance.choice([None, None, "suzuki4"]), "output": output, "kick": kicks}
     return Scene.model_validate({"name": f"scene-{number}", "chains": chains, "beads": beads, **more})
 

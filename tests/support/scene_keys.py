@@ -156,6 +156,21 @@ def by_contact(given: Any, default: float, scene: Scene) -> Floats:
     return found
 
 
+def gaps(scene: Scene) -> Any:
+    """Clear distances of neighbours in the scene's units: a number, or [chain, contact]."""
+    given, found = scene.gap, np.zeros((scene.chains, scene.beads - 1))
+    if isinstance(given, float):
+        return given
+    if isinstance(given, tuple):
+        return found + np.array(given)
+    if given.mean is not None:
+        spread, seed = given.spread, 1 if given.seed is None else given.seed
+        return given.mean * np.random.default_rng(seed).uniform(1.0 - spread, 1.0 + spread, found.shape)
+    for contact, gap in given.contacts.items():
+        found[:, int(contact) - 1] = gap
+    return found
+
+
 def _random(seed: int, number: int, scene: Scene) -> Floats:
     bits = np.random.PCG64(np.random.SeedSequence([seed, number])).random_raw(scene.chains * scene.beads)
     return ((bits >> np.uint64(11)) * 2.0**-53).reshape(scene.chains, scene.beads)
@@ -308,7 +323,8 @@ def nature(scene: Scene) -> Nature:
     damping, dashpot = scene.damping, unit.force / unit.velocity
     own = Nature(
         exponent=powers,
-        gap=scene.gap / unit.length,
+        gap=gaps(scene) / unit.length,
+        wall_gap=scene.gap / unit.length if isinstance(scene.gap, float) else 0.0,
         mass=mass,
         strength=strength,
         rest=(load[:, 1:-1] / strength) ** (1.0 / powers),
@@ -350,6 +366,8 @@ def _with_resonators(scene: Scene, own: Nature) -> Nature:
         inner += [(j, number * chains + j, spring[j], dashpot[j]) for j in range(chains)]
     more = [[0, chains * len(scene.resonators)], [0, 0]]
     wide = {name: np.pad(getattr(own, name), more) for name in ("strength", "rest", "hold", "start")}
+    if np.ndim(own.gap):
+        wide["gap"] = np.pad(own.gap, more)
     coefficient, power = own.loss
     return replace(
         own,

@@ -36,10 +36,10 @@ from lammps_inputs.ingredients.by_formula import ByFormula
 from lammps_inputs.ingredients.registry import INGREDIENTS, SEVERAL
 from lammps_inputs.units import Label, Unit
 
-_STEP = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)(?:\[([1-9][0-9]{0,5})\])?")
+_STEP = re.compile(r"([A-Za-z_][A-Za-z0-9_]*|[1-9][0-9]*)(?:\[([1-9][0-9]{0,5})\])?")
 
-_NAMED = ("kinds",)
-"""Keys that hold parts by names of the user's."""
+_NAMED = ("kinds", "gap.contacts")
+"""Keys that hold parts by names of the user's, or values by numbers of contacts."""
 
 Path = tuple[tuple[str, int | None], ...]
 """Key by key, each with the number of the list's entry (from 1) where one was given."""
@@ -61,8 +61,7 @@ def parse(text: str, scene: Mapping[str, Any] = MappingProxyType({})) -> Path:
     names = [*all_fields(Scene), *_parameters(scene)]
     matches = [_STEP.fullmatch(part) for part in text.split(".")] if len(text) <= 200 else []
     keys = [match[1] for match in matches if match]
-    if keys[:1] and keys[0] in _NAMED:
-        del keys[1:2]  # the name
+    keys = [key for place, key in enumerate(keys) if ".".join(keys[:place]) not in _NAMED]
     if not matches or not all(matches) or ".".join(keys) not in names:
         meant = [f"`{name}`" for name in _meant(text[:200], names, scene)]
         hint = f" (did you mean {' or '.join(meant)}?)" if meant else ""
@@ -288,6 +287,8 @@ def label(path: Path, scene: dict[str, Any]) -> Label:
     """
     keys = [key.replace("_", " ") for key, _ in path]
     names = [f"{key} {number}" for key, number in path if number is not None]
+    names += [f"contact {key}" for key in keys if key.isdigit()]
+    keys = [key for key in keys if not key.isdigit()]
     if keys[0] in _NAMED and len(keys) > 2:
         names, keys = [f"kind {path[1][0]}"], keys[2:]
     declared = [_declared_label(path[:count]) for count in range(1, len(path) + 1)]

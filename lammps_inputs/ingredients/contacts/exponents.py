@@ -86,7 +86,7 @@ class UnlikeContacts(Contact):
         Raises:
             ValueError: they do not fit the chains, or are out of range.
         """
-        exponents = np.asarray(profile.values_of("contact.exponent", self.exponent, setting, mean=HERTZ))
+        exponents = np.asarray(profile.values_of("contact.exponent", self.exponent, setting.contacts, HERTZ))
         least, largest = float(np.min(exponents)), float(np.max(exponents))
         if not (least >= 1.0 and largest <= MOST_EXPONENT):
             raise ValueError(f"contact.exponent: goes from {least:.6g} to {largest:.6g}; from 1 to {MOST_EXPONENT:g}")

@@ -2,6 +2,7 @@
 
 from typing import Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import ConfigDict
 
 from lammps_inputs import laws
@@ -55,7 +56,7 @@ class FormulaContact(Contact, ByFormula):
             )
         if rest:
             self._refuse_rest(force.at_rest, setting)
-        elif not cut and setting.gap:
+        elif not cut and np.any(setting.gap):
             raise ValueError(
                 "gap: contact.force acts at a distance, so that beads a gap apart pull each other at rest; leave "
                 "the gap or contact.tension out"

@@ -146,7 +146,7 @@ class Terms:
 def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, tuple[Any, ...]]:
     """The terms of a system and their parameters; with LAMMPS's step where masses depend on it."""
     taken = _Parameters(system)
-    row, gap = taken.add("row", np.uint64(physics.lines(system))), taken.add("gap", physics.gap(system))
+    row, gap = taken.add("row", np.uint64(physics.lines(system))), taken.gap_of(system.along[0])
     between = f"{{x}}[k - {row}] - {{x}}[k] - {gap}", f"{{v}}[k - {row}] - {{v}}[k]"
     dampers = {kind: [link for link in system.dampers if link.kind == kind] for kind in get_args(Kind)}
     cut = any(dashpot.cut(link.law) for link in system.dampers)
@@ -189,6 +189,12 @@ class _Parameters:
         self.names.append(f"{label}_{len(self.names)}")
         self.values.append(value)
         return self.names[-1]
+
+    def gap_of(self, contacts: Links) -> str:
+        """Add the gaps of contacts; the source of that of the beads k and before."""
+        if not isinstance(contacts.gap, np.ndarray):
+            return self.add("gap", contacts.gap)
+        return f"{self.add('gap', self._laid(contacts.gap, 2))}[k]"
 
     def term(self, law: Any, strain: str, rate: str, *, first: int, state_at: str = "") -> Term:
         """A law on links of which that of the first bead is in row ``first``, and its state, if it has one, there."""
