@@ -117,7 +117,7 @@ class TimeLaw(Parameters):
 
 
 class Wave(TimeLaw):
-    """``peak * sin(omega t + phase)`` from the start until the duration is over."""
+    """``peak * sin(omega t + phase)`` from the start until the duration is over, half a period, or for ever."""
 
     peak: float
     angular_frequency: float
@@ -136,16 +136,17 @@ class Wave(TimeLaw):
 
     @staticmethod
     def impulse(t: Any, peak: Any, omega: Any, phase: Any, duration: Any) -> Any:
-        """Integral of the force."""
+        """Integral of the force: 0 on average, or after the end, for in numbers that grow digits would be lost."""
         acting = np.minimum(np.maximum(t, 0.0), duration)
-        return -peak / omega * np.cos(omega * acting + phase)
+        constant = np.cos(phase) * (duration < np.inf)
+        return -peak / omega * (np.cos(omega * acting + phase) + constant)
 
     @staticmethod
     def travel(t: Any, peak: Any, omega: Any, phase: Any, duration: Any) -> Any:
-        """Integral of the impulse, which no longer changes when the duration is over."""
+        """Integral of the impulse."""
         acting = np.minimum(np.maximum(t, 0.0), duration)
-        turn = omega * acting + phase
-        return -peak / omega * (np.sin(turn) / omega + np.cos(turn) * (t - acting))
+        constant = np.cos(phase) * (duration < np.inf)
+        return -peak / omega * (np.sin(omega * acting + phase) / omega + constant * acting)
 
     @property
     def kinks(self) -> tuple[float, ...]:

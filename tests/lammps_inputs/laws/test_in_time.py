@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from lammps_inputs.laws.in_time import HalfSine, Rectangular, Sine, make_table
+from lammps_inputs.laws.in_time import half_sine, of_force, rectangular, sine
 
 LAWS = {
-    "half-sine": HalfSine(0.7, 2.3),
-    "rectangular": Rectangular(0.7, 2.3),
-    "sine": Sine(0.7, 2.9, 0.4),
-    "table": make_table(np.array([0.0, 0.4, 1.1, 2.0]), np.array([0.2, 0.9, -0.3, 0.0])),
-    "table that begins later": make_table(np.array([0.5, 1.1, 2.0]), np.array([0.0, 0.7, 0.0])),
+    "half-sine": half_sine(0.7, 2.3),
+    "rectangular": rectangular(0.7, 2.3),
+    "sine": sine(0.7, 2.9, 0.4),
+    "table": of_force(np.array([0.0, 0.4, 1.1, 2.0]), np.array([0.2, 0.9, -0.3, 0.0])),
+    "table that begins later": of_force(np.array([0.5, 1.1, 2.0]), np.array([0.0, 0.7, 0.0])),
 }
 
 
@@ -37,7 +37,7 @@ def test_the_rate_is_the_slope_of_the_force_between_kinks(name):
 
 
 def test_the_momentum_of_a_half_sine_is_two_thirds_of_a_rectangle_s_and_more():
-    law = HalfSine(0.7, 2.3)
+    law = half_sine(0.7, 2.3)
     assert law.impulse(99.0, *law) == law.total == pytest.approx(2.0 * 0.7 * 2.3 / math.pi, rel=1e-15)
 
 
