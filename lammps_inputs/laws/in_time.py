@@ -29,6 +29,13 @@ are vectors (`lammps_inputs.laws.table_lines`).
 
 _NUMBER: Any = 0.0
 
+_EARLIER = 1.0 - 1e-12
+"""Factor on times at which a prescribed velocity may jump, so that it has done so in every engine's state at such a
+time, whose rounding is less."""
+
+_ROUNDING = 1e-9
+"""Jump of a prescribed velocity, over its largest size, that is rounding."""
+
 
 class TimeLaw(Parameters):
     """Force or prescribed motion in time, and what a law is where it does not say otherwise.
@@ -78,6 +85,11 @@ class TimeLaw(Parameters):
     def fastest(self) -> float:
         """Velocity of largest size of a prescribed motion."""
         raise NotImplementedError
+
+    @property
+    def leaps(self) -> tuple[float, ...]:
+        """Times just after which the velocity of a prescribed motion has jumped, the start apart."""
+        return ()
 
     @property
     def numbers(self) -> dict[str, float]:
@@ -344,8 +356,16 @@ class Table(TimeLaw):
         width = np.append(np.diff(self.time), 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
             turn = np.nan_to_num(np.clip(-self.value / self.slope, 0.0, width))
-        velocity = [self.gained + s * (self.value + 0.5 * self.slope * s) for s in (0.0, turn, width)]
-        return float(max(np.ravel(velocity), key=abs))
+        velocity = np.ravel([self.gained + s * (self.value + 0.5 * self.slope * s) for s in (0.0, turn, width)])
+        return float(velocity[np.argmax(np.abs(velocity))])
+
+    @property
+    def leaps(self) -> tuple[float, ...]:
+        """Times just after which the velocity of a prescribed motion has jumped, the start apart."""
+        width = np.diff(self.time)
+        before = self.gained[:-1] + width * (self.value[:-1] + 0.5 * self.slope[:-1] * width)
+        jump = np.abs(self.gained[1:] - before)
+        return tuple((self.time[1:][jump > _ROUNDING * abs(self.fastest)] / _EARLIER).tolist())
 
     @property
     def points(self) -> int:  # type: ignore[override]
@@ -440,10 +460,6 @@ def of_force(time: Floats, value: Floats) -> Table:
 
 
 # --- tables of prescribed motions -------------------------------------------------------------------------------------
-
-_EARLIER = 1.0 - 1e-12
-"""Factor on times at which a velocity may jump, so that it has done so in every engine's state at such a time, whose
-rounding is less."""
 
 
 class ConstantVelocity(Table):

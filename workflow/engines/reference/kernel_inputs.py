@@ -94,7 +94,8 @@ class Terms:
         inverse_mass: name of one over the masses; empty where all are 1.
         dashpots: how they act: as in LAMMPS with those of half a step before, in the kicks, or in the drifts.
         as_lammps: whether loads act as LAMMPS has them.
-        bends: array of times at which stiffnesses change abruptly, where steps are split; empty if there are none.
+        bends: array of times at which stiffnesses or prescribed velocities change abruptly, where steps are split;
+            empty if there are none.
         counts_work: whether the work of loads, motions and springs that vary is counted.
     """
 
@@ -154,7 +155,8 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
     walls = [link for link in ends[Ground] if isinstance(link, Wall)]
     beads = [link for link in ends[Ground] if not isinstance(link, Wall)]
     cut = any(dashpot.cut(link.law) for link in system.dampers)
-    bends = np.unique([time for link in system.ground if link.law.varies for time in link.law.bends])
+    varying = [link.law.bends for link in system.ground if link.law.varies]
+    bends = np.unique(np.concatenate([*varying, *(law.leaps for each in system.motions for law in each.laws), []]))
     inverse = _inverse_mass(system, step if as_lammps and physics.velocity_at_full_steps(system) else 0.0)
     terms = Terms(
         contacts=tuple(taken.term(link.law, *between, first=2, state_at="[k]") for link in system.along),
