@@ -168,7 +168,8 @@ def lines(loads: Sequence[Load], motions: Sequence[Motion], layout: BeadLayout) 
 def _motion_lines(motion: Motion, parts: list[tuple[str, TimeLaw]], layout: BeadLayout) -> DeckLines:
     """LAMMPS commands of a bead that no force acts on and that is moved by formulas, or by tables."""
     name = parts[0][0]
-    displacement, velocity = ("+".join(formulas) for formulas in zip(*(law.course(part) for part, law in parts)))
+    courses = [law.course(part) for part, law in parts]
+    displacement, velocity = ("+".join(formulas) for formulas in zip(*courses, strict=True))
     tables = [(part, cast(Table, law)) for part, law in parts if law.points]
     return DeckLines(
         variables=(

@@ -1,7 +1,7 @@
 """What acts on a single bead from outside, from the start on: pushes and drives.
 
-A push is a force over time, of a hammer or as a sensor recorded it. A drive is harmonic, of a shaker or a piezo actuator,
-a piston of constant velocity, or a recorded motion. Forces on one bead add up, and so do prescribed motions.
+A push is a force over time, of a hammer or as a sensor recorded it. A drive is harmonic, of a shaker or a piezo
+actuator, a piston of constant velocity, or a recorded motion. Forces on one bead add up, and so do prescribed motions.
 """
 
 import itertools
@@ -265,7 +265,7 @@ class Drive(OnBead):
         keys = {"displacement": "frequency", "force": "frequency", "velocity": "", "table": "quantity"}
         kinds = [key for key in keys if getattr(self, key) is not None]
         if len(kinds) != 1:
-            reason = f"{' and '.join(kinds)} are given" if kinds else "neither is given"
+            reason = f"{' and '.join(kinds)} are given" if kinds else "none is given"
             raise ValueError(f"displacement: give either displacement, force, velocity or table ({reason})")
         (kind,) = kinds
         if (needed := keys[kind]) and getattr(self, needed) is None:

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from lammps_inputs import System, laws, physics
 from lammps_inputs.laws import dashpot
-from lammps_inputs.links import Across, Along, Ground, Link, Wall
 from lammps_inputs.laws.in_time import TimeLaw
+from lammps_inputs.links import Across, Along, Ground, Link, Wall
 
 Floats = NDArray[np.float64]
 
