@@ -109,7 +109,7 @@ _EXCITATIONS = {
     "kick": "kick velocity",
     "striker": "velocity of the striker",
     "push": "velocity of a free bead after the push",
-    "drive": "velocity amplitude of the drive",
+    "drive": "largest velocity of the drive",
 }
 
 

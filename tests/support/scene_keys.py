@@ -6,7 +6,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import Polynomial
 from scenes_nature import Floats, Moved, Nature, Push, Units, Wall
 from scipy.interpolate import PPoly, make_interp_spline
 
@@ -269,16 +268,14 @@ def _fastest(drive: Any) -> float:
     if drive.quantity == "velocity":
         return float(np.max(np.abs(second)))
     slope = _spline(time, second).derivative()
-    turns = slope.derivative().roots() if len(time) > 3 else np.roots([*slope.derivative().c][::-1] or [0.0])
-    within = [turn for turn in np.real(turns) if time[0] < turn < time[-1]]
-    return float(np.max(np.abs(slope(np.array([*time, *within])))))
+    turns = slope.derivative().roots() if len(time) > 3 else np.zeros(0)
+    within = turns[(time[0] < turns) & (turns < time[-1])]
+    return float(np.max(np.abs(slope(np.concatenate([time, within])))))
 
 
 def _spline(time: Floats, value: Floats) -> Any:
-    """The cubic through points, or the line or parabola through fewer than four."""
-    if len(time) > 3:
-        return PPoly.from_spline(make_interp_spline(time, value, k=3))
-    return Polynomial.fit(time, value, len(time) - 1).convert()
+    """The cubic spline through points, or the line or parabola through fewer than four."""
+    return PPoly.from_spline(make_interp_spline(time, value, k=min(3, len(time) - 1)))
 
 
 def _moved(scene: Scene, unit: Units) -> list[Moved]:
