@@ -138,7 +138,7 @@ _YAML = [
 _KEYS = [
     _changed("two mistakes", "beads:", "'ten' given; kick.bead: should", beads="ten", kick="{bead: a, velocity: 1}"),
     _changed("misspelt key and another mistake", "kick.velocty:", "; beads: should", kick="{velocty: 1}", beads="ten"),
-    _changed("key of a part", "velocity:", "(did you mean `striker.velocity` or `kick.velocity`?)", velocity="1"),
+    _changed("key of a part", "velocity:", "(did you mean `striker.velocity` or `kick.velocity` or `drive.velocity`?)", velocity="1"),
     _changed("key of a scene in a part", "kick.gap:", "(did you mean `gap`?)", kick="{velocity: 1, gap: 2}"),
     _changed("no value", "beads:", "nothing given", beads=""),
     _changed("unknown key", "colour:", "known here: name", colour="red"),
@@ -463,7 +463,7 @@ REFUSED = [
     _driven("drive[1]: until: must be later than the start at 2", {"velocity": 1.0, "from": 2.0, "until": 2.0}),
     _driven("drive[1]: quantity: is missing; a table without names", {"table": [[0.0, 0.0], [1.0, 1.0]]}),
     _driven("drive.table: has 1 points; 2 to 100000 are needed", {"table": [[0.0, 1.0]], "quantity": "velocity"}),
-    _driven("drive.table: times must increase; 0 follows 0", {"table": [[0.0, 1.0]] * 2, "quantity": "velocity"}),
+    _driven("drive[1].table: times must increase; 0 follows 0", {"table": [[0.0, 1.0]] * 2, "quantity": "velocity"}),
     _driven("drive.table: has no motion", {"table": [[0.0, 0.0], [1.0, 0.0]], "quantity": "velocity"}),
     _driven(
         "drive[1]: table: must begin with a displacement of 0",
