@@ -6,7 +6,7 @@ any time step, also where the force begins and ends within one; the error still 
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, cast
 
 from lammps_inputs import file_names
@@ -61,10 +61,6 @@ class Load:
         """Impulse of the load from start to end; of one that never ends, that of half a period."""
         return self.law.total if self.endless else float(self.impulse(self.end))
 
-    def mirrored(self, bead: int) -> "Load":
-        """The opposite force on another bead."""
-        return replace(self, bead=bead, law=self.law.opposite)
-
 
 @dataclass(frozen=True)
 class Motion:
@@ -110,10 +106,6 @@ class Motion:
         """Velocity of largest size, in units of V; of a sum, at most that, with the sign of the largest part."""
         fastest = [law.fastest for law in self.laws]
         return math.copysign(sum(map(abs, fastest)), max(fastest, key=abs))
-
-    def mirrored(self, bead: int) -> "Motion":
-        """The opposite motion of another bead."""
-        return replace(self, bead=bead, laws=tuple(law.opposite for law in self.laws))
 
 
 def summed(motions: Iterable[Motion]) -> tuple[Motion, ...]:

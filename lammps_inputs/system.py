@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs.facts import Fact
-from lammps_inputs.links import Across, Along, Ground, Link
+from lammps_inputs.links import Links
 from lammps_inputs.loads import Load, Motion
 
 
@@ -70,7 +70,7 @@ class System:
     beads: int
     kicks: tuple[tuple[int, int, float], ...]
     """(chain, bead, velocity), counted from 1; the largest |velocity| is 1."""
-    links: tuple[Link, ...]
+    links: tuple[Links, ...]
     """All forces there are: contacts first, links that tie further lines of atoms last."""
     mass: float | NDArray[np.float64] = 1.0
     """1 where all beads have the reference bead's, else [chain, bead]."""
@@ -82,7 +82,7 @@ class System:
     """Forces on beads from outside, over time."""
     motions: tuple[Motion, ...] = ()
     """Beads whose motion is given."""
-    dampers: tuple[Link, ...] = ()
+    dampers: tuple[Links, ...] = ()
     """Forces against velocities: links with laws of damping."""
 
     def __eq__(self, other: object) -> bool:
@@ -100,27 +100,27 @@ class System:
         return fact not in self.lacks
 
     @cached_property
-    def along(self) -> tuple[Along, ...]:
+    def along(self) -> tuple[Links, ...]:
         """The links along the chains."""
-        return tuple(link for link in self.links if isinstance(link, Along))
+        return tuple(link for link in self.links if link.kind == "along")
 
     @cached_property
-    def across(self) -> tuple[Across, ...]:
+    def across(self) -> tuple[Links, ...]:
         """The links across the lines of atoms: the couplings of chains, then the ties of further lines."""
-        return tuple(link for link in self.links if isinstance(link, Across))
+        return tuple(link for link in self.links if link.kind == "across")
 
     @cached_property
-    def links_of_chains(self) -> tuple[Link, ...]:
+    def links_of_chains(self) -> tuple[Links, ...]:
         """The links but for the ties of further lines of atoms."""
         return tuple(link for link in self.links if not self.is_tie(link))
 
     @cached_property
-    def couplings(self) -> tuple[Across, ...]:
+    def couplings(self) -> tuple[Links, ...]:
         """The links across that couple chains with each other."""
-        return tuple(link for link in self.links_of_chains if isinstance(link, Across))
+        return tuple(link for link in self.across if not self.is_tie(link))
 
     @cached_property
-    def ties(self) -> tuple[Across, ...]:
+    def ties(self) -> tuple[Links, ...]:
         """The links across that tie further lines of atoms."""
         return tuple(link for link in self.across if self.is_tie(link))
 
@@ -135,9 +135,9 @@ class System:
             further_lines=tuple(line.on(rows) for line in self.further_lines),
         )
 
-    def is_tie(self, link: Link) -> bool:
+    def is_tie(self, link: Links) -> bool:
         """Whether a link ties atoms of further lines, not only beads of chains."""
-        return isinstance(link, Across) and any(higher >= self.chains for _, higher in link.edges)
+        return any(higher >= self.chains for _, higher in link.edges)
 
     @cached_property
     def chain_of_line(self) -> NDArray[np.int64]:
@@ -162,9 +162,14 @@ class System:
         return " and ".join(noun.plural for noun in self.lines_by_noun)
 
     @cached_property
-    def ground(self) -> tuple[Ground, ...]:
-        """The links to the ground."""
-        return tuple(link for link in self.links if isinstance(link, Ground))
+    def ground(self) -> tuple[Links, ...]:
+        """The links of beads with their places at rest."""
+        return tuple(link for link in self.links if link.kind == "ground")
+
+    @cached_property
+    def walls(self) -> tuple[Links, ...]:
+        """The links of beads at the ends with walls."""
+        return tuple(link for link in self.links if link.kind == "wall")
 
 
 def _same(first: object, second: object) -> bool:

@@ -29,7 +29,7 @@ class _Load(Ingredient):
 
     def refuse(self, setting: Setting) -> None:
         """Refuse gaps, which no load leaves."""
-        if setting.gap > 0.0:
+        if np.any(setting.gap):
             raise ValueError(f"gap: beads under a static load touch; leave the gap or `{self.key}` out")
 
     def refuse_system(self, setting: Setting, system: System) -> None:  # noqa: ARG002

@@ -72,6 +72,11 @@ class Parameters:
         """Iterate over the parameters."""
         return (getattr(self, name) for name in self.names)
 
+    @property
+    def by_name(self) -> dict[str, Any]:
+        """Parameters by their names, in the order of their declaration."""
+        return {name: getattr(self, name) for name in self.names}
+
     def __eq__(self, other: object) -> bool:
         """Whether all parameters are the same, to the last number of every array."""
         return isinstance(other, type(self)) and all(map(np.array_equal, self, other))

@@ -11,7 +11,7 @@ A law is a subclass of `TimeLaw` that declares its parameters, as a law on a lin
 # ruff: noqa: ARG004  every function of a law takes all of its parameters
 import math
 from dataclasses import replace
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,11 +115,6 @@ class TimeLaw(Parameters):
         """Velocity of a prescribed motion at the start, as a formula of LAMMPS's variables."""
         raise NotImplementedError
 
-    @property
-    def opposite(self) -> Self:
-        """The opposite force or motion."""
-        raise NotImplementedError
-
     def variables(self, name: str) -> tuple[str, ...]:
         """Deck variables with the numbers that the formulas name."""
         return tuple(f"variable {name}{key} index {text(value)}" for key, value in self.numbers.items())
@@ -169,11 +164,6 @@ class Wave(TimeLaw):
     def total(self) -> float:
         """Integral of the force's size over half a period."""
         return 2.0 * abs(self.peak) / self.angular_frequency
-
-    @property
-    def opposite(self) -> Self:
-        """The opposite force."""
-        return replace(self, peak=-self.peak)
 
 
 class Sine(Wave):
@@ -270,12 +260,7 @@ class Oscillation(TimeLaw):
     @property
     def numbers(self) -> dict[str, float]:
         """Numbers by which a user gives the motion."""
-        return {"amplitude": self.amplitude, "omega": self.omega, "phase": self.phase}
-
-    @property
-    def opposite(self) -> Self:
-        """The opposite motion."""
-        return replace(self, amplitude=-self.amplitude)
+        return self.by_name
 
     def course(self, name: str) -> tuple[str, str]:
         """Displacement from the place at the start, and velocity, as formulas of LAMMPS."""
@@ -376,11 +361,6 @@ class Table(TimeLaw):
     def long(self) -> bool:  # type: ignore[override]
         """Whether it is too long for a formula of LAMMPS."""
         return self.points > MOST_IN_FORMULA
-
-    @property
-    def opposite(self) -> Self:
-        """The opposite force or motion."""
-        return replace(self, value=-self.value, slope=-self.slope, gained=-self.gained, gone=-self.gone)
 
     def formula(self, name: str) -> str:
         """Integral of the force over a step: half of each change of slope, times the square of the time since.

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from mirror import opposite
 
 from lammps_inputs.laws import in_time
 from lammps_inputs.laws.in_time import Oscillation, half_sine, of_force, rectangular, sine
@@ -69,14 +70,14 @@ def test_the_total_counts_all_of_the_force_or_half_a_period_of_one_that_never_en
     last = law.kinks[-1]
     t = np.linspace(0.0, math.pi / law.omega if math.isinf(last) else last, 300001)
     size = np.abs(law.force(0.5 * (t[1:] + t[:-1]), *law))
-    assert law.total == law.opposite.total == pytest.approx(float(np.sum(size)) * t[1], rel=1e-6)
+    assert law.total == opposite(law).total == pytest.approx(float(np.sum(size)) * t[1], rel=1e-6)
 
 
 @pytest.mark.parametrize("name", MOTIONS)
 def test_the_fastest_velocity_is_the_largest_of_all_times(name):
     law = LAWS[name]
     velocity = law.impulse(np.linspace(0.0, 3.0, 300001), *law)
-    assert law.fastest == -law.opposite.fastest
+    assert law.fastest == -opposite(law).fastest
     assert abs(law.fastest) == pytest.approx(np.max(np.abs(velocity)), rel=1e-3)  # a maximum just before a jump
     assert abs(law.fastest) >= np.max(np.abs(velocity)) * (1.0 - 1e-12)
 

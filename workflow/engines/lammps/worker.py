@@ -191,7 +191,7 @@ def fault(
     overlap = motion.overlaps(system, displacement[: problem.chains], first)
     worst = np.unravel_index(np.argmax(overlap), overlap.shape)
     where = f"beads {worst[1] + first} and {worst[1] + first + 1} of chain {worst[0] + 1}"
-    if overlap[worst] >= problem.layout.diameter + physics.gap(system):
+    if overlap[worst] >= problem.layout.diameter:
         return f"{where} have passed through each other; {_remedy(problem)}"
     if overlap[worst] >= problem.layout.diameter / 2.0:
         return (
