@@ -174,7 +174,7 @@ def energy(system: System) -> float:
         / math.sqrt(mass_of(system, load.chain - 1, load.bead - 1))
         for load in system.loads
     )
-    growth += _FASTER * math.sqrt(np.max(system.mass)) * sum(motion.speed for motion in system.motions)
+    growth += _FASTER * math.sqrt(np.max(system.mass)) * sum(abs(motion.fastest) for motion in system.motions)
     return 0.5 * (math.sqrt(2.0 * kicked) + growth) ** 2
 
 
@@ -205,7 +205,7 @@ def initial_velocity(system: System) -> NDArray[np.float64]:
 def excitations(system: System) -> tuple[tuple[int, int, float], ...]:
     """(chain, bead, impulse), counted from 1, of every kick, load and motion: what sets the beads in motion."""
     loads = ((load.chain, load.bead, load.total_impulse) for load in system.loads)
-    motions = ((motion.chain, motion.bead, motion.amplitude * motion.omega) for motion in system.motions)
+    motions = ((motion.chain, motion.bead, motion.fastest) for motion in system.motions)
     return (*system.kicks, *loads, *motions)
 
 

@@ -57,6 +57,7 @@ from lammps_inputs.limits import solids as limits_of_material
 from lammps_inputs.limits.closing import never_closes
 from lammps_inputs.limits.rates import timestep_for
 from lammps_inputs.limits.solids import FLATTENED, LARGEST_OVERLAP, overlap_bounds, sound_speed
+from lammps_inputs.loads import summed
 from lammps_inputs.numbers import number_or_array, plain_values
 from lammps_inputs.output import Limits, Output, too_far_apart
 from lammps_inputs.problem import Problem
@@ -119,7 +120,7 @@ _EXCITATIONS = {
     "kick": "kick velocity",
     "striker": "velocity of the striker",
     "push": "velocity of a free bead after the push",
-    "drive": "velocity amplitude of the drive",
+    "drive": "largest velocity of the drive",
 }
 
 
@@ -601,7 +602,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
         touching = contacts(self.gaps / scale.length, strength, law and laws.for_all(law, setting.contacts))
         links = [link for ingredient in self.ingredients for link in ingredient.links(setting)]
         loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(setting))
-        motions = tuple(motion for ingredient in self.ingredients for motion in ingredient.motions(setting))
+        motions = summed(motion for ingredient in self.ingredients for motion in ingredient.motions(setting))
         taken = {fact for ingredient in self.ingredients for fact in ingredient.lacks(setting)}
         taken |= {Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set()
         further_lines, ties, dashpots = together(self.chains, [atoms for _, atoms in self._further_atoms])

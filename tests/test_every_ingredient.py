@@ -59,6 +59,7 @@ ACROSS_RANKS = [
     "pressed between walls",
     "column",
     "driven",
+    "driven by two tones, a piston and records",
     "magnets",
     "pushed by long records",
     "damping cut, pressed by a wall",
@@ -243,7 +244,10 @@ def numbers(problem):
             if hasattr(part.law, "derived"):  # a formula, which is scaled as a whole
                 values = [laws.force(part.law, s) for s in (-0.1, 0.1, 0.3)]
             found |= {f"{kind} {n}, {parameter}": value for parameter, value in enumerate(values)}
-    return found | {f"motion {n}": (one.amplitude, one.omega, one.phase) for n, one in enumerate(system.motions)}
+    laws_in_time = [law for motion in system.motions for law in motion.laws]
+    return found | {
+        f"motion {n}, {part}": value for n, law in enumerate(laws_in_time) for part, value in enumerate(law)
+    }
 
 
 @pytest.mark.parametrize("name", [name for name in CASES if not name.startswith("exponents")])

@@ -8,12 +8,12 @@ from lammps_inputs.links import FIRST, LAST
 
 BACK = slice(None, None, -1)
 
-FORCES = {"peak", "value", "gained", "gone"}
-"""Parameters of laws in time that are proportional to the force."""
+FORCES = {"peak", "amplitude", "value", "slope", "gained", "gone"}
+"""Parameters of laws in time that are proportional to the force or motion."""
 
 
 def opposite(law: Any) -> Any:
-    """The law in time of the opposite force."""
+    """The law in time of the opposite force or motion."""
     return replace(law, **{name: -getattr(law, name) for name in FORCES & set(law.names)})
 
 
@@ -43,7 +43,7 @@ def mirrored_problem(problem: Problem) -> Problem:
         mass=physics.mass_of(system, Ellipsis, BACK),
         further_lines=tuple(line.on(BACK) for line in system.further_lines),
         loads=at_other_bead(system.loads, law=opposite),
-        motions=at_other_bead(system.motions, amplitude=lambda amplitude: -amplitude),
+        motions=at_other_bead(system.motions, laws=lambda parts: tuple(map(opposite, parts))),
     )
     listed = problem.rows.listed
     rows = problem.rows if listed is None else problem.rows.only(system.beads + 1 - bead for bead in listed[::-1])

@@ -135,6 +135,9 @@ def _draw_lossy(chance: random.Random, number: int | str) -> Scene:
         )
         frequency, phase = chance.uniform(0.02, 0.3), chance.choice([0.0, 90.0, -90.0, 37.0])
         more["drive"] = {"chain": chain, "bead": bead, **how, "frequency": frequency, "phase": phase}
+    elif chance.random() < 0.4:
+        of_bead = [{"chain": chain, "bead": bead, **_prescribed(chance)} for _ in range(chance.randint(1, 3))]
+        more["drive"] = of_bead
     if "drive" not in more or chance.random() < 0.5:
         more["kick"] = {"chain": other[0], "bead": other[1], "velocity": chance.choice([1.0, -1.0, 0.3])}
     along = _Along(number)  # leaves all else as it was drawn
@@ -162,6 +165,21 @@ class _Along(random.Random):
     def profile(self) -> dict[str, Any]:
         """Random factors on strengths or exponents."""
         return {"spread": self.uniform(0.01, 0.3), "seed": self.randint(0, 9)}
+
+
+def _prescribed(chance: random.Random) -> dict[str, Any]:
+    """A motion of a bead: harmonic, of constant velocity, or from a table."""
+    kind = chance.choice(["harmonic", "piston", "displacement", "velocity"])
+    if kind == "harmonic":
+        return {"displacement": chance.uniform(0.02, 0.3), "frequency": chance.uniform(0.02, 0.3)}
+    if kind == "piston":
+        begin = chance.choice([None, chance.uniform(0.1, 5.0)])
+        end = chance.choice([None, chance.uniform(6.0, 9.0)])
+        return {"velocity": chance.choice([-1.0, 1.0]) * chance.uniform(0.05, 0.5), "from": begin, "until": end}
+    times = sorted(chance.uniform(0.0, 12.0) for _ in range(chance.randint(2, 6)))
+    first = 0.0 if kind == "displacement" else chance.uniform(-0.3, 0.3)
+    table = [[time, chance.uniform(-0.3, 0.3) if k else first] for k, time in enumerate(times)]
+    return {"quantity": kind, "table": table}
 
 
 FORMULAS_OF_SPRINGS = ("k*s/sqrt(1+(s/d)^2)", "k*s+c*s^3", "k*s*exp(-(s/d)^2)", "k*d*tanh(s/d)", "k*d*sinh(s/d)", "k*s")

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from scenes_nature import Floats, Moved, Nature, Push, Units, Wall
+from scipy.interpolate import PPoly, make_interp_spline
 
 from lammps_inputs import Scene
 
@@ -26,8 +27,7 @@ def units(scene: Scene) -> Units:
     speeds = [abs(velocity) for *_, velocity in kicks(scene)]
     speeds += [_impulse(push) / mass for push in scene.push or ()]
     for drive in scene.drive or ():
-        omega = 2.0 * math.pi * drive.frequency
-        speeds.append(drive.force / (mass * omega) if drive.force else drive.displacement * omega)
+        speeds.append(drive.force / (mass * 2.0 * math.pi * drive.frequency) if drive.force else _fastest(drive))
     velocity = max(speeds)
     return Units(mass, (mass * velocity**2 / constant) ** (1.0 / (p + 1.0)), velocity)
 
@@ -283,6 +283,81 @@ def _pushes(scene: Scene, unit: Units) -> list[Push]:
     return found
 
 
+def _fastest(drive: Any) -> float:
+    """Largest size of the velocity of a given motion, in the scene's units."""
+    if drive.displacement is not None:
+        return drive.displacement * 2.0 * math.pi * drive.frequency
+    if drive.velocity is not None:
+        return abs(drive.velocity)
+    time, second = np.array(drive.table).T
+    if drive.quantity == "velocity":
+        return float(np.max(np.abs(second)))
+    slope = _spline(time, second).derivative()
+    turns = slope.derivative().roots() if len(time) > 3 else np.zeros(0)
+    within = turns[(time[0] < turns) & (turns < time[-1])]
+    return float(np.max(np.abs(slope(np.concatenate([time, within])))))
+
+
+def _spline(time: Floats, value: Floats) -> Any:
+    """The cubic spline through points, or the line or parabola through fewer than four."""
+    return PPoly.from_spline(make_interp_spline(time, value, k=min(3, len(time) - 1)))
+
+
+def _moved(scene: Scene, unit: Units) -> list[Moved]:
+    """Beads whose motion is given, each with the sum of its drives."""
+    places: dict[tuple[int, int], list[Moved]] = {}
+    for drive in scene.drive or ():
+        if drive.force is None:
+            place = drive.chain - 1, drive.bead - 1
+            places.setdefault(place, []).append(Moved(*place, *_motion(drive, unit)))
+    return [
+        Moved(
+            *place,
+            lambda t, parts=parts: sum(part.displacement(t) for part in parts),
+            lambda t, parts=parts: sum(part.velocity(t) for part in parts),
+            tuple(kink for part in parts for kink in part.kinks),
+        )
+        for place, parts in places.items()
+    ]
+
+
+def _motion(drive: Any, unit: Units) -> tuple[Any, Any, tuple[float, ...]]:
+    """Displacement and velocity over time, and times of their kinks."""
+    if drive.displacement is not None:
+        size, (omega, phase) = drive.displacement / unit.length, _turn(drive, unit)
+        return (
+            lambda t: size * (np.sin(omega * np.asarray(t) + phase) - math.sin(phase)),
+            lambda t: size * omega * np.cos(omega * np.asarray(t) + phase),
+            (),
+        )
+    if drive.velocity is not None:
+        begin = (getattr(drive, "from") or 0.0) / unit.time
+        end = math.inf if drive.until is None else drive.until / unit.time
+        speed, late = drive.velocity / unit.velocity, 1e-9  # a velocity has jumped where that is due
+        return (
+            lambda t: speed * (np.clip(t, begin, end) - begin),
+            lambda t: speed * ((np.asarray(t) >= begin - late) & (np.asarray(t) < end - late)),
+            tuple(time for time in (begin, end) if 0.0 < time < math.inf),
+        )
+    time, second = np.array(drive.table).T
+    time = time / unit.time
+    kinks = tuple(time[time > 0.0].tolist())
+    if drive.quantity == "velocity":
+        second = second / unit.velocity
+        gone = np.concatenate([[0.0], np.cumsum(np.diff(time) * (second[1:] + second[:-1]) / 2.0)])
+
+        def displacement(t: Any) -> Any:
+            k = np.maximum(np.searchsorted(time, t, side="right") - 1, 0)
+            s = np.maximum(t - time[k], 0.0)
+            return gone[k] + s * 0.5 * (second[k] * (np.asarray(t) >= time[0]) + np.interp(t, time, second))
+
+        return displacement, lambda t: np.interp(t, time, second, left=0.0), kinks
+    path = _spline(time, second / unit.length)
+    slope = path.derivative()
+    there = lambda t: (np.asarray(t) >= time[0]) & (np.asarray(t) < time[-1] - 1e-9)  # noqa: E731
+    return lambda t: path(np.clip(t, time[0], time[-1])), lambda t: np.where(there(t), slope(t), 0.0), kinks
+
+
 def _turn(drive: Any, unit: Units) -> tuple[float, float]:
     return 2.0 * math.pi * drive.frequency * unit.time, math.radians(drive.phase)
 
@@ -304,11 +379,7 @@ def nature(scene: Scene) -> Nature:
     hold = np.diff(np.pad(load[:, 1:-1], ((0, 0), (1, 1))), axis=1)
     for wall in walls:
         hold[:, wall.bead] += wall.side * load[:, wall.bead + (wall.side > 0.0)]
-    moved = [
-        Moved(one.chain - 1, one.bead - 1, one.displacement / unit.length, *_turn(one, unit))
-        for one in scene.drive or ()
-        if one.force is None
-    ]
+    moved = _moved(scene, unit)
     start = np.zeros((scene.chains, scene.beads))
     for chain, bead, velocity in kicks(scene):
         start[chain - 1, bead - 1] = velocity / unit.velocity

@@ -65,19 +65,14 @@ class Push:
 
 @dataclass(frozen=True)
 class Moved:
-    """A bead (from 0) that moves by ``size * (sin(omega t + phase) - sin(phase))``."""
+    """A bead (from 0) whose displacement and velocity are given at any time."""
 
     chain: int
     bead: int
-    size: float
-    omega: float
-    phase: float
-
-    def velocity(self, time: Any) -> Any:
-        return self.size * self.omega * np.cos(self.omega * time + self.phase)
-
-    def acceleration(self, time: Any) -> Any:
-        return -self.size * self.omega**2 * np.sin(self.omega * time + self.phase)
+    displacement: Any
+    velocity: Any
+    kinks: tuple[float, ...] = ()
+    """Times at which the velocity, or its slope, jumps."""
 
 
 @dataclass(frozen=True)
@@ -187,8 +182,16 @@ class Nature:
             force[..., push.chain, push.bead] += push.force(time)
         force /= self.mass
         for moved in self.moved:
-            force[..., moved.chain, moved.bead] = moved.acceleration(time)
+            force[..., moved.chain, moved.bead] = 0.0
         return force
+
+    def placed(self, time: Any, x: Floats, v: Floats) -> tuple[Floats, Floats]:
+        """Displacements and velocities with those that are given."""
+        for moved in self.moved:
+            x, v = np.array(x), np.array(v)
+            x[..., moved.chain, moved.bead] = moved.displacement(time)
+            v[..., moved.chain, moved.bead] = moved.velocity(time)
+        return x, v
 
 
 def _power(closed: Floats, exponent: float | Floats) -> Floats:

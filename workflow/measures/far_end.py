@@ -347,7 +347,8 @@ def with_error(transmitted: Transmitted, error: MeasuredError, problem: Problem)
         return transmitted
     mass, supplied = np.broadcast_to(problem.system.mass, (problem.chains, problem.beads)), transmitted.supplied
     energy, force = np.array(transmitted.transmitted_energy * supplied), error.of_force(problem)
-    share = float(error.of_energy(energy, float(np.sum(mass[:, last_tenth(problem)])))) / supplied
+    absolute = float(error.of_energy(energy, float(np.sum(mass[:, last_tenth(problem)]))))
+    share = absolute / supplied if supplied else math.nan  # nothing has arrived, and a push has yet to do work
     added = (problem.chains * force, force, error.arrival, share)
     changed = {
         f"{name}_error": getattr(transmitted, f"{name}_error") + more for name, more in zip(VALUES, added, strict=True)
