@@ -33,12 +33,7 @@ def energy_input(block: Trajectory) -> Floats:
         return np.full(block.frames, physics.energy(problem.system))
     if block.exchange is None:
         return np.full(block.frames, np.nan)
-    return np.asarray(kinetic_energy_at_start(problem) + block.exchange[:, -1])
-
-
-def kinetic_energy_at_start(problem: Problem) -> float:
-    """Kinetic energy of the kicked beads and of those of prescribed motion at the start, in units of m V**2."""
-    return 0.5 * float(np.sum(problem.system.mass * physics.initial_velocity(problem.system) ** 2))
+    return np.asarray(physics.energy_at_start(problem.system) + block.exchange[:, -1])
 
 
 _SHOWN = 5e-5
@@ -53,7 +48,7 @@ class Account:
     """Energy over time, each [instant]."""
 
     time: Floats = declare("time of some frames", "time", symbol="t")
-    energy_input: Floats = declare("energy input until then, by kicks and by forces from outside", "energy")
+    energy_input: Floats = declare("energy input until then: at the start, and by forces from outside", "energy")
     kinetic: Floats = declare("kinetic energy", "energy")
     contacts: Floats = declare("energy of the contacts", "energy")
     springs: Floats = declare("energy of the springs between chains", "energy")
@@ -165,7 +160,7 @@ def _exchanged(block: Trajectory) -> tuple[Floats, Floats]:
     """
     exchange = np.zeros((block.frames, len(EXCHANGES))) if block.exchange is None else block.exchange
     yielded = np.broadcast_to(physics.dissipated_by_contacts(block.system), block.frames)
-    return kinetic_energy_at_start(block.problem) + exchange[:, -1], np.column_stack([exchange[:, :-1], yielded])
+    return physics.energy_at_start(block.problem.system) + exchange[:, -1], np.column_stack([exchange[:, :-1], yielded])
 
 
 _OF_BEADS = ("kinetic", "contacts", "springs", "ground", "walls")

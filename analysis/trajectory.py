@@ -501,6 +501,7 @@ def mirrored_problem(problem: Problem) -> Problem:
             further_lines=tuple(line.on(slice(None, None, -1)) for line in system.further_lines),
             loads=tuple(load.mirrored(mirrored_bead(problem, load.bead)) for load in system.loads),
             motions=tuple(motion.mirrored(mirrored_bead(problem, motion.bead)) for motion in system.motions),
+            start=None if system.start is None else system.start.mirrored(),
         ),
         rows=problem.rows.mirrored(),
     )

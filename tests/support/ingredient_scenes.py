@@ -65,6 +65,13 @@ MAGNETS = {"force": "A/(d+s)^p", "A": 0.2, "p": 4.0, "d": 1.0}
 EQUAL = [[0.2 * k, 0.36 * math.sin(math.pi * k / 100) ** 2 if k % 100 else 0.0] for k in range(101)]
 UNEQUAL = [[0.3 + (k / 30) ** 3, 0.5 * math.sin(math.pi * k / 60) ** 2 * (k < 60)] for k in range(61)]
 
+STARTS = [
+    {"bead": 1, "displacement": 0.5},
+    {"chain": 2, "bead": 8, "displacement": -0.3, "velocity": -0.2},
+    {"bead": 3, "velocity": 0.3},
+]
+TABLE = [[1, 2, -0.4, 0.1], [2, 8, 0.2, 0.0], [3, 5, 0.3, -0.2], [4, 1, -0.3, 0.0]]
+
 CASES: dict[str, dict[str, Any]] = {
     "one chain": {"chains": 1, "coupling": None},
     "gap": {"gap": 0.3},
@@ -162,6 +169,16 @@ CASES: dict[str, dict[str, Any]] = {
     "magnets": {"contact": MAGNETS, "walls": {"left": "bead", "right": "bead"}, "kick": {"velocity": 0.3}},
     "driven": {"drive": [MOVED, FORCED], "kick": None},
     "driven, pressed": {"drive": MOVED, "kick": None, **PRESSED},
+    "initial states, gap, kicked": {"initial": STARTS, "gap": 0.1, "kick": {"bead": 3, "velocity": 0.4}},
+    "initial states, damped": {"initial": STARTS[:2], "damping": LOSSES["viscoelastic"], "kick": None},
+    "initial states of all atoms, pressed, damped, walls": {
+        **HELD,
+        "initial": {"table": TABLE},
+        "resonators": {"mass": 0.3, "stiffness": 0.8},
+        "foundation": {"stiffness": 0.3},
+        "damping": {"beads": 0.1},
+        "kick": None,
+    },
     "pushed before unlike walls": {
         **SIZES,
         "pattern": [["big"], ["small", "small"]],
@@ -231,6 +248,7 @@ def in_units(name: str, velocity: float, material: dict[str, float] | None = Non
         "drive": {"displacement": unit.length, "force": unit.force, "frequency": 1.0 / unit.time},
         "push": {"peak": unit.force, "duration": unit.time, "table": (unit.time, unit.force)},
         "resonators": {"mass": mass, "stiffness": unit.stiffness, "damping": dashpot},
+        "initial": {"displacement": unit.length, "velocity": velocity, "table": (1, 1, unit.length, velocity)},
         "kick": {"velocity": velocity},
         "striker": {"velocity": velocity, "mass": mass},
         "duration": unit.time,

@@ -33,7 +33,7 @@ def _solved(own: Nature, end: float, rtol: float) -> OdeSolution:
         x, v = state.reshape(2, *own.mass.shape)
         return np.concatenate([v, own.acceleration(time, x, v)], axis=None)
 
-    state = np.concatenate([np.zeros_like(own.start), own.start], axis=None)
+    state = np.concatenate([own.displaced, own.start], axis=None)
     kinks = [*own.bends, *(kink for push in own.pushes for kink in push.kinks)]
     edges = sorted({0.0, end, *(kink for kink in kinks if 0.0 < kink < end)})
     pieces = []
