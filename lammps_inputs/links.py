@@ -295,6 +295,19 @@ class Ground(Link):
 
 
 @dataclass(frozen=True, eq=False)
+class Weights(Ground):
+    """Weights of the beads: forces from outside that do not depend on the displacement, by the law of weights."""
+
+    def mirrored(self) -> Self:
+        """The weights in the mirror, in which they act towards lower bead numbers."""
+        law: Any = super().mirrored().law
+        return replace(self, law=replace(law, acceleration=-law.acceleration))
+
+    def shared(self, total: Floats, energy: Floats) -> None:
+        """Add nothing: what weights do is work from outside, not energy of a bead."""
+
+
+@dataclass(frozen=True, eq=False)
 class Wall(Ground):
     """Links of the last bead of each chain, or the first, with a wall at rest, by a law of contacts or of dashpots.
 

@@ -25,7 +25,7 @@ from lammps_inputs import laws
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.dashpot import ContactLoss, WallDashpot
-from lammps_inputs.links import Across, Along, Ground, Link, Wall
+from lammps_inputs.links import Across, Along, Ground, Link, Wall, Weights
 from lammps_inputs.system import System
 
 Found = TypeVar("Found")
@@ -38,6 +38,10 @@ _FASTER = 4.0
 """Velocity that beads beside a driven one are taken to reach at most, in the drive's own; and all beads, in that of the
 kicks, on springs whose stiffness varies.
 """
+
+
+_FALLS = 100
+"""Iterations of a bound on the energy of beads that fall, each of which takes a part of what is missing."""
 
 
 def once(compute: Callable[[System], Found]) -> Callable[[System], Found]:
@@ -139,6 +143,8 @@ def why_no_pulse(system: System) -> str:
         )
     if system.start is not None and np.any(system.start.displacement):
         return "beads are displaced at the start, which may send out several pulses"
+    if weights(system):
+        return "beads fall, and send out a pulse whenever they meet"
     if farthest(system) > 0.0:
         return "pulses are not followed where contacts act at a distance"
     return "no pulse keeps its shape in this scene"
@@ -152,7 +158,7 @@ def farthest(system: System) -> float:
 
 def uniform(system: System) -> bool:
     """Whether no law differs from link to link, so that the beads might be more."""
-    if system.start is not None:
+    if system.start is not None or weights(system):
         return False
     return isinstance(masses(system), float) and not any(laws.differs(link.law) for link in system.links)
 
@@ -170,6 +176,8 @@ def energy(system: System) -> float:
         kicked = 0.5 * sum(_kicked_mass(system, kick) * kick[2] ** 2 for kick in system.kicks)
     else:
         kicked = _energy_of_start(system)
+    if weights(system):
+        kicked = _energy_of_fall(system, kicked)
     if varying(system):
         kicked *= _FASTER**2
     if not driven(system) and not system.loads:
@@ -211,8 +219,46 @@ def _stored(system: System) -> list[NDArray[np.float64]]:
     """Energies of the links of each kind at the start, [..., link]."""
     if system.start is None or not np.any(system.start.displacement):
         return []
-    x = system.start.displacement
-    return [link.energy(x[link.lines_among(system.chains)]) for link in at(system, 0.0).links]
+    x, links = system.start.displacement, at(system, 0.0).links
+    return [link.energy(x[link.lines_among(system.chains)]) for link in links if not isinstance(link, Weights)]
+
+
+@once
+def _energies_of_fall(system: System) -> tuple[float, float]:
+    """Energy that weights can supply to all contacts but one, and the largest weight on one."""
+    x = initial_state(system)[0, : system.chains]
+    supports = [wall for wall in walls(system) if wall.side > 0.0]
+    if not supports:  # all fall alike
+        return 0.0, 0.0
+    weight = sum(-np.broadcast_to(link.force(x), x.shape) for link in weights(system))
+    carried = np.cumsum(weight, axis=-1)
+    height = gap(system) * (system.beads - np.arange(system.beads)) - x
+    supplied, at_wall = float(np.sum(weight * height)), np.zeros_like(x)
+    at_wall[:, -1] = carried[:, -1]
+    for law, load in [*((link.law, carried[:, :-1]) for link in system.along), (supports[0].law, at_wall)]:
+        rest = law.overlap_under(load)
+        supplied += float(np.sum(load * rest - laws.energy(law, rest)))
+    return supplied, float(np.max(carried))
+
+
+def _energy_of_fall(system: System, start: float) -> float:
+    """Bound on the energy of one contact of beads that fall onto each other and a wall, in units of m V**2.
+
+    ``sum over contacts of U(s) - F s`` is at most the energy at the start and that of free falls until all beads touch,
+    where F is the weight on a contact; every other contact takes ``F s - U(s)`` at its overlap under F at most.
+    """
+    supplied, heaviest = _energies_of_fall(system)
+    bound = least = max(start + supplied, 0.5)  # V is the velocity of a fall, if of nothing faster
+    touching = [link.law for link in (*system.along, *walls(system))]
+    for _ in range(_FALLS if heaviest else 0):
+        bound = least + heaviest * max(laws.max_strain(law, bound) for law in touching)
+    return bound
+
+
+def weight_energy(system: System, displacement: NDArray[np.float64]) -> Any:
+    """Work of the weights on the way from rest to displacements [..., chain, bead], [...] in units of m V**2."""
+    chains = displacement[..., : system.chains, :]
+    return sum((-np.sum(link.energy(chains), axis=(-2, -1)) for link in weights(system)), 0.0)
 
 
 def momentum(system: System) -> float:
@@ -265,11 +311,19 @@ def excitations(system: System) -> tuple[tuple[int, int, float], ...]:
     """(chain, bead, impulse), counted from 1, of every kick, load and motion: what sets the beads in motion.
 
     Of a start, the velocity of every bead that has one, and the bead that displacements push most, with the speed that
-    the energy of one link gives.
+    the energy of one link gives. Where beads fall, the last bead of each chain with the speed of `fall_speeds`.
     """
     loads = ((load.chain, load.bead, load.total_impulse) for load in system.loads)
     motions = ((motion.chain, motion.bead, motion.amplitude * motion.omega) for motion in system.motions)
-    return (*system.kicks, *loads, *motions, *_of_start(system))
+    falls = ((chain, system.beads, speed) for chain in range(1, system.chains + 1) for speed in fall_speeds(system))
+    return (*system.kicks, *loads, *motions, *_of_start(system), *falls)
+
+
+def fall_speeds(system: System) -> list[float]:
+    """Speed, in units of V, of a fall through the gap and the overlap under a bead's weight; none without weights."""
+    laws_of_weights: list[Any] = [link.law for link in weights(system)]
+    accelerations = [float(np.max(np.abs(law.acceleration))) for law in laws_of_weights]
+    return [math.sqrt(2.0 * g * (gap(system) + g ** (1.0 / (exponent(system) or 1.5)))) for g in accelerations]
 
 
 @once
@@ -297,6 +351,8 @@ def force_at_start(system: System) -> NDArray[np.float64]:
 
 def span_at_start(system: System) -> tuple[int, int]:
     """First and last bead, counted from 1, that move or are pushed at the start; all others feel no force."""
+    if weights(system):
+        return 1, system.beads
     beads = [bead for _, bead, _ in excitations(system)]
     if system.start is not None:
         displaced = np.flatnonzero(np.any(system.start.displacement, axis=0) | np.any(system.start.velocity, axis=0))
@@ -438,7 +494,13 @@ def walls(system: System) -> tuple[Wall, ...]:
 @once
 def ground_springs(system: System) -> tuple[Ground, ...]:
     """The springs to the ground."""
-    return tuple(link for link in system.ground if not isinstance(link, Wall))
+    return tuple(link for link in system.ground if not isinstance(link, Wall | Weights))
+
+
+@once
+def weights(system: System) -> tuple[Weights, ...]:
+    """The weights of beads that fall; none where they hang or stand at rest."""
+    return tuple(link for link in system.ground if isinstance(link, Weights))
 
 
 def wall_at(system: System, side: float) -> Wall:

@@ -25,8 +25,16 @@ def units(scene: Scene) -> Units:
     if _GIVEN:
         return _GIVEN[-1]
     speeds = _speeds(scene)
+    if falls(scene):  # through the gap and the overlap of one bead under its weight
+        unit, g, p = _units(scene, 1.0), scene.gravity.acceleration, exponent(scene)
+        overlap = (unit.mass * g / unit.force) ** (1.0 / p) * unit.length
+        speeds.append(math.sqrt(2.0 * g * (scene.gap + overlap)))
     speeds.append(_released(scene, max(speeds, default=0.0) or 1.0))
     return _units(scene, max(speeds))
+
+
+def falls(scene: Scene) -> bool:
+    return scene.gravity is not None and not scene.gravity.settled
 
 
 def _released(scene: Scene, velocity: float) -> float:
@@ -227,7 +235,7 @@ def loads(scene: Scene, mass: Floats) -> Floats:
     unit, found = units(scene), np.zeros((scene.chains, scene.beads + 1))
     if scene.precompression is not None:
         found += scene.precompression.force / unit.force
-    if scene.gravity is not None:
+    if scene.gravity is not None and scene.gravity.settled:
         found[:, 1:] += np.cumsum(mass, axis=1) * scene.gravity.acceleration * unit.time**2 / unit.length
     return found
 
@@ -317,6 +325,8 @@ def nature(scene: Scene) -> Nature:
     hold = np.diff(np.pad(load[:, 1:-1], ((0, 0), (1, 1))), axis=1)
     for wall in walls:
         hold[:, wall.bead] += wall.side * load[:, wall.bead + (wall.side > 0.0)]
+    if falls(scene):
+        hold = hold + mass * scene.gravity.acceleration * unit.time**2 / unit.length
     moved = [
         Moved(one.chain - 1, one.bead - 1, one.displacement / unit.length, *_turn(one, unit))
         for one in scene.drive or ()

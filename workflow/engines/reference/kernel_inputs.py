@@ -157,7 +157,7 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
     terms = Terms(
         contacts=tuple(taken.term(link.law, *between, first=2, state_at="[k]") for link in system.along),
         across=taken.terms(system.across),
-        ground=taken.terms(physics.ground_springs(system)),
+        ground=taken.terms((*physics.ground_springs(system), *physics.weights(system))),
         walls=taken.terms(physics.walls(system)),
         dampers=(
             tuple(taken.term(link.law, *between, first=2) for link in ends[Along]),
