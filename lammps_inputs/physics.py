@@ -227,15 +227,18 @@ def _stored(system: System) -> list[NDArray[np.float64]]:
 def _energies_of_fall(system: System) -> tuple[float, float]:
     """Energy that weights can supply to all contacts but one, and the largest weight on one."""
     x = initial_state(system)[0, : system.chains]
-    supports = [wall for wall in walls(system) if wall.side > 0.0]
+    weight = -sum((link.force(x) for link in weights(system)), np.zeros_like(x))
+    way = 1 if np.max(weight) > 0.0 else -1  # -1 in the mirror
+    supports = [wall for wall in walls(system) if wall.side == way]
     if not supports:  # all fall alike
         return 0.0, 0.0
-    weight = sum(-np.broadcast_to(link.force(x), x.shape) for link in weights(system))
-    carried = np.cumsum(weight, axis=-1)
-    height = gap(system) * (system.beads - np.arange(system.beads)) - x
-    supplied, at_wall = float(np.sum(weight * height)), np.zeros_like(x)
-    at_wall[:, -1] = carried[:, -1]
-    for law, load in [*((link.law, carried[:, :-1]) for link in system.along), (supports[0].law, at_wall)]:
+    carried = np.cumsum(way * weight[:, ::way], axis=-1)[:, ::way]  # by the contact ahead of each bead
+    height = gap(system) * (system.beads - np.arange(system.beads))[::way] - way * x
+    supplied, at_wall = float(np.sum(way * weight * height)), np.zeros_like(x)
+    last = -1 if way > 0 else 0
+    at_wall[:, last] = carried[:, last]
+    between = carried[:, :-1] if way > 0 else carried[:, 1:]
+    for law, load in [*((link.law, between) for link in system.along), (supports[0].law, at_wall)]:
         rest = law.overlap_under(load)
         supplied += float(np.sum(load * rest - laws.energy(law, rest)))
     return supplied, float(np.max(carried))

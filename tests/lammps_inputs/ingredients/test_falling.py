@@ -30,24 +30,23 @@ def test_beads_without_support_fall_freely(unlike, drag, tmp_path):
     case = scene(gap=0.3, **unlike, **drag)
     done = run(case, tmp_path / "run").trajectory
     time = done.time * case.scale.time
-    for found, exact in ((done.displacement * case.scale.length, 0.05 * time**2), (done.velocity, 0.1 * time)):
-        worth = 1.0 if found is not done.velocity else case.scale.velocity
-        np.testing.assert_allclose(
-            found * worth, np.broadcast_to(exact[:, None, None], found.shape), rtol=0, atol=1e-12
-        )
+    x, v = done.displacement * case.scale.length, done.velocity * case.scale.velocity
+    for found, exact in ((x, 0.05 * time**2), (v, 0.1 * time)):
+        np.testing.assert_allclose(found - exact[:, None, None], 0.0, rtol=0.0, atol=1e-12)
 
 
 def test_a_bead_returns_to_the_height_from_which_it_fell_onto_a_floor(tmp_path):
-    """The last bead alone, as those above it are a long way behind: period and height by energy."""
-    case = scene(gap=40.0, beads=2, walls={"right": "rigid"}, duration=90.0, accuracy=1e-5)
-    done = run(case, tmp_path / "run")
-    x, time = done.trajectory.displacement[:, 0, 1] * case.scale.length, done.trajectory.time * case.scale.time
+    """The last bead, while the other one is far above: V is 20, so that an accuracy of 1e-6 is 2e-5 in velocity."""
+    keys = {"beads": 2, "gap": 40.0, "walls": {"right": "rigid"}, "kick": {"velocity": -20.0}}
+    done = run(scene(**keys, duration=90.0, accuracy=1e-6), tmp_path / "run")
+    scale = done.trajectory.problem.scale
+    x, time = done.trajectory.displacement[:, 0, 1] * scale.length, done.trajectory.time * scale.time
     fall = math.sqrt(2.0 * 40.0 / 0.1)
-    assert fall == pytest.approx(time[np.argmax(x >= 40.0)], abs=0.2)
-    assert np.min(x[time > fall + 1.0]) == pytest.approx(0.0, abs=1e-3)
+    assert time[np.argmax(x >= 40.0)] == pytest.approx(fall, abs=done.trajectory.problem.every * scale.time)
+    assert np.min(x[time > fall + 1.0]) == pytest.approx(0.0, abs=2e-3)
     report = analyse(done.directory, figures=False).conservation
     assert report.energy_drift < 1e-5
-    assert report.budget.energy_input[-1] > 1.0  # work of the weights, in m V**2
+    assert report.budget.energy_input[0] == pytest.approx(0.5, rel=1e-12)
 
 
 def test_the_speed_at_the_floor_is_that_of_the_fall_to_every_digit():
@@ -74,14 +73,14 @@ def test_the_speed_at_the_floor_is_that_of_the_fall_to_every_digit():
     ids=["gaps", "unlike, kicked", "coupled, drag", "displaced"],
 )
 def test_a_column_that_falls_moves_as_by_the_independent_integrator(keys, tmp_path):
-    case = scene(**{"duration": 30.0, "timestep": 0.005, "output": {"every": 0.5}, **keys})
+    case = scene(**{"duration": 20.0, "timestep": 0.005, "output": {"every": 0.5}, **keys})
     problem, unit = case.problem(), units(case)
     done = run(case, tmp_path / "run")
     exact = Truth(case, problem.duration, 1e-11).states(problem.every * np.arange(problem.frames + 1))[1]
     assert unit.velocity == pytest.approx(case.scale.velocity, rel=1e-12)
     assert np.max(np.abs(done.trajectory.velocity - exact)) < 1e-3
     reference = engine.run(problem)
-    assert np.max(np.abs(reference.velocity - exact)) < done.check.reference.velocity < 1e-4
+    assert np.max(np.abs(reference.velocity - exact)) < done.check.reference.velocity < 1e-3
     report = analyse(done.directory, figures=False).conservation
     assert report.energy_drift < 2e-3
     overlap = np.max(np.diff(-reference.displacement, axis=-1)) - physics.gap(problem.system)
