@@ -3,6 +3,8 @@
 What contacts and springs store at the displacements is part of the energy input.
 """
 
+import hashlib
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
 
@@ -10,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, field_serializer, field_validator, model_validator
 
-from lammps_inputs import physics
+from lammps_inputs import physics, plugins
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Count, Ingredient, Setting, refuse_outside
+from lammps_inputs.ingredients.base import Count, Ingredient, ScenePart, Setting, refuse_outside
 from lammps_inputs.system import System
 from lammps_inputs.units import Label, Unit
 
@@ -31,8 +33,23 @@ MOST_ROWS_IN_A_LIST = 20
 """Rows of a table up to which a scene's file has them as a list; more are lines of text, which are read faster."""
 
 
+class LastFrame(ScenePart):
+    """Run whose last frame is the initial state: what a scene's file has in place of the name of its directory."""
+
+    directory: str
+    """Name of the run's directory."""
+    chains: Count
+    """Number of chains of the run."""
+    beads: Count
+    """Number of beads of each chain of the run."""
+    time: Annotated[float, Field(ge=0, le=1e30), Unit("s")]
+    """Time of the frame in the run."""
+    sha256: str
+    """Checksum of the rows of `table`."""
+
+
 class Initial(Ingredient):
-    """Displacement and velocity of one bead at the start, or those of many in a table."""
+    """Displacement and velocity of one bead at the start, those of many in a table, or the last frame of a run."""
 
     example: ClassVar[str] = "{bead: 1, displacement: 0.6}"
     several: ClassVar[bool] = True
@@ -44,13 +61,16 @@ class Initial(Ingredient):
     chain: Count = 1
     """Chain of the bead."""
     bead: Count | None = None
-    """Number of the bead; or give `table`."""
+    """Number of the bead; or give `table` or `run`."""
     displacement: Annotated[Displacement | None, Label("initial displacement", "x_0")] = None
     """Displacement from rest at the start, positive towards higher bead numbers; 0 if omitted."""
     velocity: Annotated[Velocity | None, Label("initial velocity", "v_0")] = None
     """Velocity at the start, positive towards higher bead numbers; 0 if omitted. A kick of the bead adds to it."""
     table: tuple[Row, ...] | None = None
     """Rows [chain, bead, displacement, velocity]; or the name of a CSV file beside the scene with such columns."""
+    run: LastFrame | None = None
+    """Directory of a finished run, beside the scene, whose last frame is the initial state. The scene in the new run's
+    directory holds it in `table`."""
 
     @classmethod
     def from_files(cls, value: Any, folder: Path) -> Any:
@@ -61,6 +81,12 @@ class Initial(Ingredient):
         """
         if isinstance(value, list):
             return [cls.from_files(part, folder) for part in value]
+        if isinstance(value, dict) and isinstance(value.get("run"), str):
+            if "table" in value:
+                raise InputError("initial.run: give either a table or a run (both are given)")
+            if "run" not in plugins.declared("starts"):
+                raise InputError("initial.run: no installed distribution declares `run` as one of granchain.starts")
+            return {**value, **plugins.load("starts", "run")(folder / value["run"])}
         if isinstance(value, dict) and isinstance(value.get("table"), str) and "\n" not in value["table"]:
             return {**value, "table": _read(folder / value["table"])}
         return value
@@ -77,6 +103,13 @@ class Initial(Ingredient):
             )
         if isinstance(value, list):
             return tuple(tuple(row) if isinstance(row, list) else row for row in value)
+        return value
+
+    @field_validator("run", mode="before")
+    @classmethod
+    def _frame(cls, value: Any) -> Any:
+        if isinstance(value, str):
+            raise ValueError("the name of a run's directory may stand in a scene's file only")
         return value
 
     @field_validator("table")
@@ -97,14 +130,15 @@ class Initial(Ingredient):
     def _lines_if_long(self, value: tuple[Row, ...]) -> Any:
         if len(value) <= MOST_ROWS_IN_A_LIST:
             return value
-        lines = (f"{chain},{bead},{x!r},{v!r}\n" for chain, bead, x, v in value)
-        return "".join([",".join(COLUMNS) + "\n", *lines])
+        return _text(value)
 
     @model_validator(mode="after")
     def _bead_or_table(self) -> Self:
         given = [key for key in ("bead", "displacement", "velocity") if getattr(self, key) is not None]
         if self.table is not None and given:
             raise ValueError(f"{given[0]}: give either a table or one bead (both are given)")
+        if self.run is not None and (self.table is None or digest_of(self.table) != self.run.sha256):
+            raise ValueError("run: the rows of `table` are not those of the run, by their checksum; name the run again")
         if self.table is None and self.bead is None:
             raise ValueError("bead: is missing; give the number of a bead, or a table")
         if self.table is None and not (self.displacement or self.velocity):
@@ -127,6 +161,11 @@ class Initial(Ingredient):
     def refuse(self, setting: Setting) -> None:
         """Refuse beads outside the array, beads named twice, and displacements where contacts depend on the past."""
         key = setting.key_of(self)
+        if self.run is not None and (self.run.chains, self.run.beads) != (setting.chains, setting.beads):
+            raise ValueError(
+                f"{key}.run: {self.run.directory} has {self.run.chains} x {self.run.beads} beads, and this scene "
+                f"{setting.chains} x {setting.beads}"
+            )
         if self.table is None:
             refuse_outside(key, self, setting.chains, setting.beads)
         for number, (_, bead, *_) in enumerate(self.table or (), 1):
@@ -169,6 +208,17 @@ class Initial(Ingredient):
     def start(self, setting: Setting) -> NDArray[np.float64]:
         """The rows, dimensionless."""
         return np.array(self.rows) / [1.0, 1.0, setting.scale.length, setting.scale.velocity]
+
+
+def _text(rows: Iterable[Sequence[Any]]) -> str:
+    """Rows as lines of text, below the names of the columns."""
+    lines = (f"{chain},{bead},{x!r},{v!r}\n" for chain, bead, x, v in rows)
+    return "".join([",".join(COLUMNS) + "\n", *lines])
+
+
+def digest_of(rows: Iterable[Sequence[Any]]) -> str:
+    """Checksum of rows [chain, bead, displacement, velocity], by their text."""
+    return hashlib.sha256(_text(rows).encode()).hexdigest()
 
 
 def _read(path: Path) -> list[list[float]]:
