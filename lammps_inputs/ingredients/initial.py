@@ -52,6 +52,7 @@ class Initial(Ingredient):
     """Displacement and velocity of one bead at the start, those of many in a table, or the last frame of a run."""
 
     example: ClassVar[str] = "{bead: 1, displacement: 0.6}"
+    sources = ("hutzler2004",)
     several: ClassVar[bool] = True
     why: ClassVar[dict[Fact, str]] = {
         Fact.FRONT: "a window begins with beads at rest",

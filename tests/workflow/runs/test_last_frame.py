@@ -60,6 +60,7 @@ def test_a_run_that_cannot_be_continued_is_refused_in_one_line(first, tmp_path):
         "give either a table or a run": {"initial": {"run": "first", "table": [[1, 1, 0.0, 1.0]]}},
         "displacements would need the past of contacts that yield": {
             "contact": {"yield": {"overlap": 0.1}},
+            "initial": {"bead": 1, "displacement": 0.1},
             "resonators": None,
         },
     }
