@@ -29,7 +29,7 @@ def energy_input(block: Trajectory) -> Floats:
     NaN where the work of pushes, drives and springs is unknown: the frames have no ``exchange``.
     """
     problem = block.problem
-    if physics.weights(problem.system) and not physics.acted_on(problem.system):
+    if problem.system.weights and not physics.acted_on(problem.system):
         return physics.energy_at_start(problem.system) + _work_of_weights(block)
     if not physics.acted_on(problem.system):
         return np.full(block.frames, physics.energy(problem.system))
@@ -197,7 +197,7 @@ def _stored(system: System, x: Floats, v: Floats) -> list[Floats]:
     """Energies of the kinds in `_places_of`, each [frame], at displacements and velocities [frame, line, bead]."""
     at_beads, none = x[:, : system.chains], np.zeros(len(x))
     kinetic = motion.kinetic_energy(system, v[:, : system.chains]).sum(axis=(-2, -1))
-    kinds = (system.along, system.couplings, physics.ground_springs(system), physics.walls(system))
+    kinds = (system.along, system.couplings, system.ground, system.walls)
     stored = [sum((link.energy(at_beads).sum(axis=(-2, -1)) for link in links), none) for links in kinds]
     return [kinetic, *stored, *_of_others(system, x, v)]
 
@@ -308,7 +308,7 @@ class ConservationMeter(Meter[_Drifts, Conservation]):
         """Whether the energy is compared with the input less the dissipated energy, by an energy budget."""
         system = self.problem.system
         further = physics.lines(system) > system.chains
-        return physics.exchanges(system) or not system.holds(Fact.FRAMES) or further or bool(physics.weights(system))
+        return physics.exchanges(system) or not system.holds(Fact.FRAMES) or further or bool(system.weights)
 
     def _accounted(self, block: Trajectory) -> bool:
         """Whether frames have an energy budget: the energy that is exchanged is known, and that may be none."""

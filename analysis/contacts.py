@@ -36,7 +36,7 @@ class OverlapMaxima:
     Attributes:
         value: largest overlap of any contact, in units of L; negative where none has touched, -inf where nothing moves.
         each: largest overlap of every contact, [chain, contact], where beads differ; else None.
-        walls: largest overlap of the contacts with each wall, [wall, chain], in the order of `physics.walls`.
+        walls: largest overlap of the contacts with each wall, [wall, chain], in the order of `System.walls`.
     """
 
     value: float
@@ -57,13 +57,10 @@ class OverlapMeter(Meter[OverlapMaxima, OverlapMaxima]):
     def of_part(self, part: Part) -> OverlapMaxima:
         """The largest in the frames of a part."""
         block, problem = part.frames, self.problem
-        system, walls = problem.system, physics.walls(problem.system)
-        at_walls = np.empty((len(walls), problem.chains))
-        for largest, link in zip(at_walls, walls, strict=True):
-            place = problem.beads - 1 if link.side > 0.0 else 0
-            law = laws.at(link.law, np.arange(problem.chains), place)
-            strain = np.max(link.side * block.displacement[..., place], axis=0)
-            largest[:] = strain - link.gap + law.rest
+        system = problem.system
+        at_walls = np.empty((len(system.walls), problem.chains))
+        for largest, link in zip(at_walls, system.walls, strict=True):
+            largest[:] = np.max(link.overlap(block.displacement), axis=0)[:, 0]
         moving = slice(0, problem.beads) if physics.loaded(system) else block.moving  # beads at rest touch, or overlap
         x = block.displacement[..., moving]
         each = None if physics.one_kind(system) else np.full((problem.chains, problem.beads - 1), -math.inf)

@@ -9,7 +9,6 @@ from analysis import motion
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import laws, physics
 from lammps_inputs.facts import Fact
-from lammps_inputs.links import Along
 from lammps_inputs.system import Noun
 
 
@@ -95,7 +94,7 @@ def _of_contacts(block: Trajectory) -> dict[str, LabelledArray]:
     overlap = motion.overlaps(system, block.displacement)
     force = motion.contact_force(system, overlap)
     for link in system.dampers:
-        if isinstance(link, Along):
+        if link.kind == "along":
             force = force + link.damping(block.displacement, block.velocity)
     at_contacts = ("time", "chain", "contact")
     contacts = np.arange(1, block.problem.beads)

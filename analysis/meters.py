@@ -8,12 +8,12 @@ Measures of plug-ins have a `Meter`: it says what it takes from each `Part` of a
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from analysis.trajectory import Trajectory, joined, mirrored
+from analysis.trajectory import Trajectory, joined
 
 BEFORE = 2
 """Frames of a part before its own."""
@@ -63,11 +63,6 @@ class Part:
     def every(self, stride: int) -> slice:
         """Positions among the part's frames of those whose number in the run is a multiple of a stride."""
         return slice(-self.start % stride, None, stride)
-
-    @property
-    def in_mirror(self) -> "Part":
-        """The part in the mirror, in which pulses run the other way."""
-        return replace(self, around=mirrored(self.around))
 
 
 def parts_of(blocks: Iterable[Trajectory]) -> Iterator[Part]:

@@ -22,7 +22,6 @@ import numpy as np
 
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import System, laws, physics
-from lammps_inputs.links import partners
 
 
 def overlaps(system: System, displacement: Floats, first: int = 1) -> Floats:
@@ -40,8 +39,12 @@ def overlaps(system: System, displacement: Floats, first: int = 1) -> Floats:
 
 
 def rest_overlap(system: System, chain: Integers, contact: Integers) -> Any:
-    """Overlap at rest at positions (chain, contact) from 0, of their shape or a number; the last contact beyond it."""
-    rest = system.along[0].law.rest
+    """Overlap at rest, less than 0 where there is a gap, at positions (chain, contact) from 0, of their shape.
+
+    A number where all are the same; beyond the last contact that of the last.
+    """
+    contacts = system.along[0]
+    rest = contacts.law.rest - contacts.gap
     return rest[chain, np.clip(contact, 0, system.beads - 2)] if np.ndim(rest) else rest
 
 
@@ -91,7 +94,7 @@ def bead_energy(system: System, displacement: Floats, velocity: Floats, first: i
         [..., chain, bead] in units of m V**2.
     """
     total = kinetic_energy(system, velocity, first)
-    for link in (*system.along, *system.ground):
+    for link in (*system.along, *system.ground, *system.walls):
         link.shared(total, link.energy(displacement, first))
     return total
 
@@ -188,31 +191,19 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
     bead_x, bead_v = x[frame, chain, bead], v[frame, chain, bead]
     acceleration, rate = np.zeros_like(bead_x), np.zeros_like(bead_x)
 
-    row = block.first - 1 + bead
-    for side in (-1, 1):
-        other = bead + side
-        exists = (other >= 0) & (other < x.shape[2])
-        other = np.where(exists, other, bead)
-        for contact in system.along:
-            law = block.law(contact, frame, chain, np.clip(np.minimum(row, row + side), 0, problem.beads - 2))
-            overlap = side * (bead_x - x[frame, chain, other]) - contact.gap
-            closing = side * (bead_v - v[frame, chain, other])
-            acceleration -= np.where(exists, side * laws.force(law, overlap), 0.0)
-            law = laws.on_branch(law, closing)
-            rate -= np.where(exists, side * laws.stiffness(law, overlap) * closing, 0.0)
-        for spring in system.across:
-            for edge, partner in partners(spring.edges, x.shape[1], side):
-                law = laws.at(spring.law, edge[chain], row) if laws.differs(spring.law) else spring.law
-                other_x, other_v = x[frame, partner[chain], bead], v[frame, partner[chain], bead]
-                acceleration -= laws.force(law, bead_x - other_x)  # none where a chain is its own partner
-                rate -= laws.stiffness(law, bead_x - other_x) * (bead_v - other_v)
-    for ground in system.ground:
-        law, strain = block.law(ground, frame, chain, row), ground.strain(bead_x)
-        if law.varies:
-            law = law.now(block.time[frame])
-            rate -= law.change(strain, *law)
-        acceleration -= ground.side * laws.force(law, strain)
-        rate -= laws.stiffness(laws.on_branch(law, ground.side * bead_v), strain) * bead_v
+    before = block.first - 1
+    for link in system.links:
+        for near in link.of_beads(chain, bead, x.shape[1:]):
+            law = block.law(link, frame, near.line, before + near.place)
+            law = law.now(block.time[frame]) if law.varies else law
+            strain, closing = (
+                near.apart(bead_x, x, frame) - link.gap_at(near.line, before + near.place),
+                near.apart(bead_v, v, frame),
+            )
+            acceleration -= np.where(near.exists, near.sign * laws.force(law, strain), 0.0)
+            change = laws.stiffness(laws.on_branch(law, closing), strain) * closing + law.change(strain, *law)
+            rate -= np.where(near.exists, near.sign * change, 0.0)
+    row = before + bead
     for load in system.loads:
         at_bead, time = (chain == load.chain - 1) & (row == load.bead - 1), block.time[frame]
         acceleration += np.where(at_bead, load.force(time), 0.0)
@@ -270,7 +261,7 @@ def larger_overlap(block: Trajectory, frame: Integers, chain: Integers, bead: In
         x = block.displacement
         for side in (-1, 1):
             other = np.clip(bead + side, 0, x.shape[2] - 1)
-            overlap = side * (x[frame, chain, bead] - x[frame, chain, other]) - physics.gap(block.problem.system)
+            overlap = side * (x[frame, chain, bead] - x[frame, chain, other])
             overlap = overlap + rest_overlap(block.problem.system, chain, block.first - 1 + np.minimum(bead, other))
             result = np.fmax(result, np.where(other == bead, -np.inf, overlap))
     return result

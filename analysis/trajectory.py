@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import Problem, System, laws, physics
-from lammps_inputs.links import Link
+from lammps_inputs.links import Links
 
 Floats = NDArray[np.float64]
 """Array of float64; the docstring of a function or field has its shape and unit.
@@ -293,7 +293,7 @@ class Trajectory:
         system = physics.at(self.problem.system, self.time[frames] if time is None else time)
         return system if self.contact_state is None else physics.at_contact_state(system, self.contact_state[frames])
 
-    def law(self, link: Link, frame: Integers, chain: Integers, place: Integers) -> Any:
+    def law(self, link: Links, frame: Integers, chain: Integers, place: Integers) -> Any:
         """Law of chosen links along chains or to the ground, in the state of their contacts at frames.
 
         Args:
@@ -308,7 +308,7 @@ class Trajectory:
         law = laws.at(link.law, chain, place)
         if self.contact_state is None or not laws.has_state(law):
             return law
-        return laws.at_state(law, self.contact_state[frame, chain, place + physics.first_state(link)])
+        return laws.at_state(law, self.contact_state[frame, chain, place + link.between.start])
 
     def states_of_contacts(self, places: int | Integers) -> Floats | None:
         """States of some contacts of each chain, dimensionless; None where no force depends on one.
@@ -472,49 +472,18 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
     return replace(parts[0], **arrays)
 
 
-# --- in the mirror: a pulse that runs towards bead 1 becomes one that runs away from it; the equations do not change --
-
 Number = TypeVar("Number", int, Integers)
 
 
-def mirrored_bead(problem: Problem, bead: Number) -> Number:
-    """Number of a bead in the mirror; twice is the bead itself."""
-    return problem.beads + 1 - bead
+def along_the_way(problem: Problem, bead: Number, direction: int | None = None) -> Number:
+    """Number of a bead counted along the way of a pulse, from the end that it comes from; twice is the bead itself.
 
+    Args:
+        problem: what was run.
+        bead: number of the bead, or [...] numbers.
+        direction: of the pulse: 1 towards higher bead numbers, -1 towards lower ones; by default of the leading pulse.
 
-def along_the_way(problem: Problem, bead: Number) -> Number:
-    """Number of a bead counted along the leading pulse's way: its own, or that in the mirror."""
-    return bead if problem.direction > 0 else mirrored_bead(problem, bead)
-
-
-def mirrored_problem(problem: Problem) -> Problem:
-    """The problem in the mirror; twice is the problem itself."""
-    system = problem.system
-    return replace(
-        problem,
-        system=replace(
-            system,
-            kicks=tuple((chain, mirrored_bead(problem, bead), -velocity) for chain, bead, velocity in system.kicks),
-            links=tuple(link.mirrored() for link in system.links),
-            dampers=tuple(link.mirrored() for link in system.dampers),
-            mass=physics.mass_of(system, Ellipsis, slice(None, None, -1)),
-            further_lines=tuple(line.on(slice(None, None, -1)) for line in system.further_lines),
-            loads=tuple(load.mirrored(mirrored_bead(problem, load.bead)) for load in system.loads),
-            motions=tuple(motion.mirrored(mirrored_bead(problem, motion.bead)) for motion in system.motions),
-            start=None if system.start is None else system.start.mirrored(),
-        ),
-        rows=problem.rows.mirrored(),
-    )
-
-
-def mirrored(block: Trajectory) -> Trajectory:
-    """Frames in the mirror; twice is the frames themselves."""
-    return Trajectory(
-        mirrored_problem(block.problem),
-        block.time,
-        -block.displacement[..., ::-1],
-        -block.velocity[..., ::-1],
-        first=mirrored_bead(block.problem, int(block.beads[-1])) if block.problem.rows.follow else 1,
-        contact_state=None if block.contact_state is None else block.contact_state[..., ::-1],
-        further_lines=None if block.further_lines is None else -block.further_lines[..., ::-1],
-    )
+    Returns:
+        The number, of the shape of ``bead``.
+    """
+    return bead if (direction or problem.direction) > 0 else problem.beads + 1 - bead

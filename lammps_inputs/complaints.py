@@ -3,8 +3,8 @@
 Examples:
     >>> complaints.suggestion("stifness", ["stiffness", "mass"])
     ' (did you mean `stiffness`?)'
-    >>> complaints.model_in(output.Limits | None) is output.Limits
-    True
+    >>> complaints.models_in(output.Limits | None)
+    [<class 'lammps_inputs.output.Limits'>]
 """
 
 import difflib
@@ -68,18 +68,20 @@ def _meant(path: list[int | str], model: type[BaseModel]) -> str | None:
 def _path(detail: ErrorDetails, model: type[BaseModel]) -> list[int | str]:
     """Keys and places of a complaint, without the names that pydantic gives to what may stand there."""
     path: list[int | str] = []
-    at: type[BaseModel] | None = model
+    at = [model]
     by_name = False  # whether what follows is a name of the user's
     for position, part in enumerate(detail["loc"]):
         named = _keys(at)
         unknown = detail["type"] == "extra_forbidden" and position == len(detail["loc"]) - 1
-        free = at is not None and at.model_config.get("extra") == "allow"
+        free = any(each.model_config.get("extra") == "allow" for each in at)
+        if any(part == f"<{each.__name__}>" for each in at):
+            continue
         if isinstance(part, int) or by_name or part in named or unknown or free:
             path.append(part)
         if by_name:
             by_name = False
         elif part in named:
-            at = model_in(named[str(part)].annotation)
+            at = _within(at, str(part))
             by_name = "dict[" in str(named[str(part)].annotation)
     return path
 
@@ -124,9 +126,9 @@ def _line(detail: ErrorDetails, model: type[BaseModel], lists: set[str]) -> str:
 
 def _elsewhere(path: list[int | str], model: type[BaseModel]) -> str:
     """Parts of the scene that have an unknown key, in brackets, if these are few; empty if there are none."""
-    word, first = str(path[-1]), _keys(model)
+    word, first = str(path[-1]), _keys([model])
     parts = [name for name, field in first.items() if "dict[" not in str(field.annotation)]
-    keys = [f"{name}.{word}" for name in parts if word in _keys(model_in(first[name].annotation))]
+    keys = [f"{name}.{word}" for name in parts if word in _keys(models_in(first[name].annotation))]
     keys = ([word] if word in first and len(path) > 1 else []) + keys
     return f" (did you mean {' or '.join(f'`{key}`' for key in keys)}?)" if 0 < len(keys) <= _FEW else ""
 
@@ -155,7 +157,7 @@ _PLAIN = {
 
 def _example(path: list[int | str], model: type[BaseModel]) -> str:
     """A valid line for the part at a path; empty where there is none."""
-    part = _model_at(model, path)
+    part = next(iter(_models_at(model, path)))
     example = part.example if issubclass(part, ScenePart) else ""
     words = [word for word in path if isinstance(word, str)]
     return f"{words[-1]}: {example}" if example and words else ""
@@ -163,8 +165,8 @@ def _example(path: list[int | str], model: type[BaseModel]) -> str:
 
 def _or_pairs(path: list[int | str], model: type[BaseModel]) -> str:
     """The keys of the pairs that may stand in place of a word; empty if none may."""
-    field = _keys(_model_at(model, path[:-1])).get(str(path[-1]))
-    keys = _keys(model_in(field.annotation)) if field else {}
+    field = _keys(_models_at(model, path[:-1])).get(str(path[-1]))
+    keys = _keys(models_in(field.annotation)) if field else {}
     return f", or hold pairs, `{{{', '.join(keys)}}}`" if keys else ""
 
 
@@ -201,33 +203,35 @@ def _short(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def _model_at(model: type[BaseModel], path: list[int | str]) -> type[BaseModel]:
-    """The innermost model on a path, in which numbers in a list and names that the user gave are no fields."""
+def _models_at(model: type[BaseModel], path: list[int | str]) -> list[type[BaseModel]]:
+    """The innermost models on a path, in which numbers in a list and names that the user gave are no fields."""
+    models = [model]
     for part in path:
-        if isinstance(part, str) and part in model.model_fields:
-            model = model_in(model.model_fields[part].annotation) or model
-    return model
+        models = _within(models, str(part)) or models
+    return models
+
+
+def _within(models: list[type[BaseModel]], key: str) -> list[type[BaseModel]]:
+    """The models that fields of models hold under a key in a file."""
+    fields = (_keys([model]).get(key) for model in models)
+    return list(dict.fromkeys(inner for field in fields if field for inner in models_in(field.annotation)))
 
 
 def _known_beside(model: type[BaseModel], path: list[int | str]) -> list[str]:
     """The keys that may stand where the last one of a path does."""
-    return list(_keys(_model_at(model, path[:-1])))
+    return list(_keys(_models_at(model, path[:-1])))
 
 
-def _keys(model: type[BaseModel] | None) -> dict[str, FieldInfo]:
-    """The fields of a model by their keys in a file; none without a model."""
-    return {field.alias or name: field for name, field in model.model_fields.items()} if model else {}
+def _keys(models: list[type[BaseModel]]) -> dict[str, FieldInfo]:
+    """The fields of models by their keys in a file, those of the first model before others of the same key."""
+    return {field.alias or name: field for model in reversed(models) for name, field in model.model_fields.items()}
 
 
-def model_in(annotation: Any) -> type[BaseModel] | None:
-    """The model that a field holds, alone, in a list or besides nothing; None if it holds none."""
+def models_in(annotation: Any) -> list[type[BaseModel]]:
+    """The models that a field holds, alone, in a list or besides others; none if it holds none."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
-    for argument in get_args(annotation):
-        model = model_in(argument)
-        if model is not None:
-            return model
-    return None
+        return [annotation]
+    return list(dict.fromkeys(model for argument in get_args(annotation) for model in models_in(argument)))
 
 
 def suggestion(word: str, words: Any) -> str:

@@ -41,7 +41,7 @@ class WallLinks:
 
     Attributes:
         name: name in the deck, such as "right_wall".
-        law: law of the links; its parameters are 0 of all other beads.
+        law: law of the links, of parameters that are numbers or [chain, 1].
         side: 1 for a wall behind the last bead, -1 for one before the first.
         gap: displacement at which the bead touches the wall, in units of L.
         loss: dashpot law of the wall (`lammps_inputs.laws.dashpot`); None if it is undamped.
@@ -64,9 +64,10 @@ class BeadLayout:
         chains: number of chains.
         beads: number of beads of each chain.
         rows: rows of beads that exist in LAMMPS.
-        gap: clear distance between neighbouring beads; 0 where they touch.
+        gap: clear distance between neighbouring beads, the largest if they differ; 0 where all touch.
         diameter: diameter of all beads.
-        rest: overlap of neighbours at rest, a number or [chain, contact].
+        closer: how much closer than by a diameter and the gap neighbours are at rest, a number or [chain, contact]:
+            their overlap under a static load, or smaller gaps.
         even: whether all neighbouring beads are equally far apart at rest.
         farthest: how much farther apart than at rest neighbours that act at a distance come, at most; 0 where none do.
         others: what atoms that are no beads are called; empty where there are none.
@@ -83,7 +84,7 @@ class BeadLayout:
     rows: int
     gap: float
     diameter: float
-    rest: float | NDArray[np.float64]
+    closer: float | NDArray[np.float64]
     even: bool
     farthest: float
     others: str
@@ -110,8 +111,8 @@ class BeadLayout:
 
     @property
     def spacing(self) -> float:
-        """Distance between the centres of neighbouring beads at rest; without load if that differs."""
-        return self.diameter + self.gap - (float(self.rest) if self.even else 0.0)
+        """Distance between the centres of neighbouring beads at rest; the largest, without load, if that differs."""
+        return self.diameter + self.gap - (float(self.closer) if self.even else 0.0)
 
     def apart(self, edge: tuple[int, int]) -> float:
         """Lateral distance of the centres of two chains, the lower number first."""
@@ -124,7 +125,7 @@ class BeadLayout:
             row = np.arange(1, self.beads + 1) * self.spacing
             return np.broadcast_to(row, (self.chains, self.beads))
         places = np.full((self.chains, self.beads), self.spacing)
-        places[:, 1:] -= self.rest
+        places[:, 1:] -= self.closer
         return np.asarray(np.cumsum(places, axis=1))
 
     @property

@@ -68,4 +68,7 @@ ENERGY = EngineLimit("no formula of the energy was found, which LAMMPS needs")
 REACH = EngineLimit("the energy separates neighbours for good, farther than LAMMPS looks")
 EVEN_ENERGY = EngineLimit("LAMMPS's bonds take an energy that is a formula of s^2, smooth at s = 0, and none was found")
 FUNCTIONS = EngineLimit("{number}, which its energy needs")
+ROWS = EngineLimit(
+    "LAMMPS has springs and dashpots between beads that rest side by side, and the gaps of chains differ"
+)
 FORCES = EngineLimit("LAMMPS has no such force")

@@ -7,7 +7,7 @@ import numpy as np
 
 from lammps_inputs import laws, physics
 from lammps_inputs.deck_lines import BeadLayout, LinksAcross, WallLinks
-from lammps_inputs.links import Across, Wall
+from lammps_inputs.links import Links
 from lammps_inputs.numbers import power_of_two_at_least
 from lammps_inputs.system import System
 
@@ -21,7 +21,7 @@ def layout_of(system: System) -> BeadLayout:
         rows=system.beads,
         gap=physics.gap(system),
         diameter=_diameter(system),
-        rest=system.along[0].law.rest,
+        closer=system.along[0].law.rest if physics.one_gap(system) else physics.gap(system) - system.along[0].gap,
         even=physics.even(system),
         farthest=physics.farthest(system),
         others=system.others,
@@ -29,17 +29,17 @@ def layout_of(system: System) -> BeadLayout:
         lightest=float(np.min(system.mass)),
         heaviest=float(np.max(system.mass)),
         contact_loss=physics.contact_loss(system),
-        walls=tuple(wall_of(wall, system) for wall in physics.walls(system)),
+        walls=tuple(wall_of(wall, system) for wall in system.walls),
         velocity_at_full_steps=physics.velocity_at_full_steps(system),
     )
 
 
-def wall_of(wall: Wall, system: System) -> WallLinks:
+def wall_of(wall: Links, system: System) -> WallLinks:
     """A wall of a system with its dashpot, for the deck."""
-    return WallLinks(wall.name, wall.law, wall.side, wall.gap, physics.wall_loss(system, wall.side))
+    return WallLinks(wall.name, wall.law, wall.side, float(wall.gap), physics.loss_beside(system, wall))
 
 
-def across_of(link: Across, system: System) -> LinksAcross:
+def across_of(link: Links, system: System) -> LinksAcross:
     """Links across the lines of a system, for the deck."""
     return LinksAcross(
         link.name,
@@ -58,10 +58,10 @@ def _diameter(system: System) -> float:
     total, farthest = physics.energy(system), physics.farthest(system)
     law, rest = system.along[0].law, float(np.max(system.along[0].law.rest))
     alone, shared = (rest + laws.max_strain(law, energy) for energy in (total, total / 2.0))
-    held = (link.law for link in physics.walls(system))
+    held = (link.law for link in system.walls)
     walls = (2.0 * float(np.max(law.rest + law.max_strain(total, *law))) for law in held)
     # dashpots between chains act by the distance of two beads
-    damped = any(isinstance(link, Across) and not system.is_tie(link) for link in system.dampers)
+    damped = any(link.kind == "across" and not system.is_tie(link) for link in system.dampers)
     rows = (rest + 2.0 * laws.max_strain(link.law, total) for link in system.couplings if damped)
     least = max(4.0, 2.0 * alone, 2.0 * shared, *walls, *rows)
     return power_of_two_at_least(max(2.0 * least, 4.0 * farthest) if 0.0 < farthest < np.inf else least)

@@ -6,7 +6,7 @@ any time step, also where the force begins and ends within one; the error still 
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, cast
 
 import numpy as np
@@ -73,10 +73,6 @@ class Load:
         """Impulse of the load from start to end; of one that never ends, that of half a period."""
         return self.law.total if self.endless else float(self.impulse(self.end))
 
-    def mirrored(self, bead: int) -> "Load":
-        """The opposite force on another bead."""
-        return replace(self, bead=bead, law=self.law.opposite)
-
 
 @dataclass(frozen=True)
 class Motion:
@@ -120,10 +116,6 @@ class Motion:
     def speed(self) -> float:
         """Largest speed of the bead, in units of V."""
         return abs(self.amplitude) * self.omega
-
-    def mirrored(self, bead: int) -> "Motion":
-        """The opposite motion of another bead."""
-        return replace(self, bead=bead, amplitude=-self.amplitude)
 
 
 def tables(system: Any) -> str:

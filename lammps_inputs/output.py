@@ -14,7 +14,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, field_validator
 
-from lammps_inputs import physics, strict_yaml
+from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Count, Positive, ScenePart
 from lammps_inputs.system import System
@@ -92,7 +92,7 @@ class Forces(ScenePart):
             raise ValueError("output.forces: name wall: true, contacts or sensors")
         if window:
             raise ValueError("output.forces: a window removes the beads behind it; leave one of them out")
-        walls = physics.walls(system) if self.wall else ()
+        walls = system.walls if self.wall else ()
         if self.wall and not walls:
             raise ValueError("output.forces.wall: the chains have no wall; name one in walls, or leave this out")
         contacts, sensors = self.contacts or (), self.sensors or ()

@@ -14,7 +14,7 @@ Examples:
 
 import functools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Any, TypeVar, cast
 
@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 from lammps_inputs import laws
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws import Law
-from lammps_inputs.laws.dashpot import ContactLoss, WallDashpot
-from lammps_inputs.links import Across, Along, Ground, Link, Wall, Weights
+from lammps_inputs.laws.dashpot import ContactLoss
+from lammps_inputs.links import Links
 from lammps_inputs.system import System
 
 Found = TypeVar("Found")
@@ -75,7 +75,7 @@ def mass_from(system: System, first: int, array: NDArray[np.float64], absent: fl
 @once
 def alike(system: System) -> bool:
     """Whether all beads, and all their contacts, are the same."""
-    return isinstance(system.mass, float) and not any(laws.differs(link.law) for link in system.along)
+    return isinstance(system.mass, float) and not any(link.differ for link in system.along)
 
 
 @once
@@ -143,7 +143,7 @@ def why_no_pulse(system: System) -> str:
         )
     if system.start is not None and np.any(system.start.displacement):
         return "beads are displaced at the start, which may send out several pulses"
-    if weights(system):
+    if system.weights:
         return "beads fall, and send out a pulse whenever they meet"
     if farthest(system) > 0.0:
         return "pulses are not followed where contacts act at a distance"
@@ -158,9 +158,9 @@ def farthest(system: System) -> float:
 
 def uniform(system: System) -> bool:
     """Whether no law differs from link to link, so that the beads might be more."""
-    if system.start is not None or weights(system):
+    if system.start is not None or system.weights:
         return False
-    return isinstance(masses(system), float) and not any(laws.differs(link.law) for link in system.links)
+    return isinstance(masses(system), float) and not any(link.differ for link in system.links)
 
 
 # --- what sets beads in motion ----------------------------------------------------------------------------------------
@@ -176,7 +176,7 @@ def energy(system: System) -> float:
         kicked = 0.5 * sum(_kicked_mass(system, kick) * kick[2] ** 2 for kick in system.kicks)
     else:
         kicked = _energy_of_start(system)
-    if weights(system):
+    if system.weights:
         kicked = _energy_of_fall(system, kicked)
     if varying(system):
         kicked *= _FASTER**2
@@ -220,25 +220,23 @@ def _stored(system: System) -> list[NDArray[np.float64]]:
     if system.start is None or not np.any(system.start.displacement):
         return []
     x, links = system.start.displacement, at(system, 0.0).links
-    return [link.energy(x[link.lines_among(system.chains)]) for link in links if not isinstance(link, Weights)]
+    return [link.energy(x[link.lines_among(system.chains)]) for link in links if not link.law.constant]
 
 
 @once
 def _energies_of_fall(system: System) -> tuple[float, float]:
     """Energy that weights can supply to all contacts but one, and the largest weight on one."""
     x = initial_state(system)[0, : system.chains]
-    weight = -sum((link.force(x) for link in weights(system)), np.zeros_like(x))
-    way = 1 if np.max(weight) > 0.0 else -1  # -1 in the mirror
-    supports = [wall for wall in walls(system) if wall.side == way]
+    supports = [wall for wall in system.walls if wall.side > 0.0]
     if not supports:  # all fall alike
         return 0.0, 0.0
-    carried = np.cumsum(way * weight[:, ::way], axis=-1)[:, ::way]  # by the contact ahead of each bead
-    height = gap(system) * (system.beads - np.arange(system.beads))[::way] - way * x
-    supplied, at_wall = float(np.sum(way * weight * height)), np.zeros_like(x)
-    last = -1 if way > 0 else 0
-    at_wall[:, last] = carried[:, last]
-    between = carried[:, :-1] if way > 0 else carried[:, 1:]
-    for law, load in [*((link.law, between) for link in system.along), (supports[0].law, at_wall)]:
+    carried = np.cumsum(-sum((link.force(x) for link in system.weights), np.zeros_like(x)), axis=-1)  # ahead of a bead
+    gaps = np.broadcast_to(system.along[0].gap, (system.chains, system.beads - 1))
+    # a bead falls through all gaps ahead of it: the weight on each gap through that gap
+    falls = np.sum(carried[:, :-1] * gaps) + np.sum(carried[:, -1] * supports[0].gap)
+    supplied = float(falls + weight_energy(system, -x))
+    touching = [(link.law, carried[:, :-1]) for link in system.along]
+    for law, load in [*touching, (supports[0].law, carried[:, -1:])]:
         rest = law.overlap_under(load)
         supplied += float(np.sum(load * rest - laws.energy(law, rest)))
     return supplied, float(np.max(carried))
@@ -252,7 +250,7 @@ def _energy_of_fall(system: System, start: float) -> float:
     """
     supplied, heaviest = _energies_of_fall(system)
     bound = least = max(start + supplied, 0.5)  # V is the velocity of a fall, if of nothing faster
-    touching = [link.law for link in (*system.along, *walls(system))]
+    touching = [link.law for link in (*system.along, *system.walls)]
     for _ in range(_FALLS if heaviest else 0):
         bound = least + heaviest * max(laws.max_strain(law, bound) for law in touching)
     return bound
@@ -261,7 +259,7 @@ def _energy_of_fall(system: System, start: float) -> float:
 def weight_energy(system: System, displacement: NDArray[np.float64]) -> Any:
     """Work of the weights on the way from rest to displacements [..., chain, bead], [...] in units of m V**2."""
     chains = displacement[..., : system.chains, :]
-    return sum((-np.sum(link.energy(chains), axis=(-2, -1)) for link in weights(system)), 0.0)
+    return sum((-np.sum(link.energy(chains), axis=(-2, -1)) for link in system.weights), 0.0)
 
 
 def momentum(system: System) -> float:
@@ -324,7 +322,7 @@ def excitations(system: System) -> tuple[tuple[int, int, float], ...]:
 
 def fall_speeds(system: System) -> list[float]:
     """Speed, in units of V, of a fall through the gap and the overlap under a bead's weight; none without weights."""
-    laws_of_weights: list[Any] = [link.law for link in weights(system)]
+    laws_of_weights: list[Any] = [link.law for link in system.weights]
     accelerations = [float(np.max(np.abs(law.acceleration))) for law in laws_of_weights]
     return [math.sqrt(2.0 * g * (gap(system) + g ** (1.0 / (exponent(system) or 1.5)))) for g in accelerations]
 
@@ -354,7 +352,7 @@ def force_at_start(system: System) -> NDArray[np.float64]:
 
 def span_at_start(system: System) -> tuple[int, int]:
     """First and last bead, counted from 1, that move or are pushed at the start; all others feel no force."""
-    if weights(system):
+    if system.weights:
         return 1, system.beads
     beads = [bead for _, bead, _ in excitations(system)]
     if system.start is not None:
@@ -386,9 +384,15 @@ def exchanges(system: System) -> bool:
 # --- contacts ---------------------------------------------------------------------------------------------------------
 
 
+@once
 def gap(system: System) -> float:
-    """Clear distance between neighbouring beads; 0 where they touch."""
-    return system.along[0].gap
+    """Clear distance between neighbouring beads, the largest if they differ; 0 where all touch."""
+    return float(np.max(system.along[0].gap))
+
+
+def one_gap(system: System) -> bool:
+    """Whether all neighbouring beads are the same clear distance apart, or touch."""
+    return np.ndim(system.along[0].gap) == 0
 
 
 def exponent(system: System) -> float | None:
@@ -405,18 +409,17 @@ def loaded(system: System) -> bool:
 
 def even(system: System) -> bool:
     """Whether all neighbouring beads are equally far apart at rest."""
-    return not any(np.ndim(link.law.rest) for link in system.along)
+    return one_gap(system) and not any(np.ndim(link.law.rest) for link in system.along)
 
 
 @once
-def contacts_with_state(system: System) -> tuple[Along | Wall, ...]:
+def contacts_with_state(system: System) -> tuple[Links, ...]:
     """The contacts and walls whose force depends on a state of each (`lammps_inputs.laws.ContactState`).
 
     Arrays of states are [..., chain, bead + 1]: of the wall before the first bead, of the contact behind each other,
     and of the wall behind the last.
     """
-    touching: tuple[Along | Wall, ...] = (*system.along, *walls(system))
-    return tuple(link for link in touching if laws.has_state(link.law))
+    return tuple(link for link in (*system.along, *system.walls) if laws.has_state(link.law))
 
 
 def taken_by_state(law: Law) -> frozenset[Fact]:
@@ -430,11 +433,6 @@ def taken_by_state(law: Law) -> frozenset[Fact]:
     return frozenset(lost if laws.has_state(law) else ())
 
 
-def first_state(link: Link) -> int:
-    """Place of the state of the first link, of contacts or walls, along the last axis of an array of states."""
-    return int(isinstance(link, Along) or (isinstance(link, Wall) and link.side > 0.0))
-
-
 def state_headings(system: System) -> tuple[str, ...]:
     """Headings of the columns of frames with the states of contacts: of that behind each bead, and of that ahead.
 
@@ -443,7 +441,7 @@ def state_headings(system: System) -> tuple[str, ...]:
     links = contacts_with_state(system)
     if not links:
         return ()
-    walled = any(isinstance(link, Wall) and link.side > 0.0 for link in links)
+    walled = any(link.between == slice(-1, None) for link in links)
     heading = laws.state_heading(links[0].law)
     return (heading, f"{heading}_ahead")[: 1 + walled]
 
@@ -452,23 +450,17 @@ def contact_state(system: System) -> NDArray[np.float64]:
     """States of contacts at the start, [chain, bead + 1]; 0 where there is none."""
     states = np.zeros((system.chains, system.beads + 1))
     for link in contacts_with_state(system):
-        if isinstance(link, Along):
-            states[:, 1:-1] = laws.contact_state(link.law)
-        else:
-            end = -1 if link.side > 0.0 else 0
-            at_beads = np.broadcast_to(laws.contact_state(link.law), (system.chains, system.beads))
-            states[:, end] = at_beads[:, end]
+        states[:, link.between] = laws.contact_state(link.law)
     return states
 
 
 def at_contact_state(system: System, states: NDArray[np.float64]) -> System:
     """The system at other states of its contacts, [..., chain, bead + 1] (`contacts_with_state`)."""
 
-    def at(link: Link) -> Link:
-        if not isinstance(link, Along | Wall):
+    def at(link: Links) -> Links:
+        if not link.touching:
             return link
-        first, links = first_state(link), system.beads - isinstance(link, Along)
-        return replace(link, law=laws.at_state(link.law, states[..., first : first + links]))
+        return replace(link, law=laws.at_state(link.law, states[..., link.between]))
 
     return replace(system, links=tuple(map(at, system.links)))
 
@@ -482,39 +474,27 @@ def dissipated_by_contacts(system: System) -> Any:
 
 def contact_loss(system: System) -> ContactLoss | None:
     """Dashpot law of the contacts; None if they are undamped."""
-    return next((cast(ContactLoss, link.law) for link in system.dampers if isinstance(link, Along)), None)
+    return next((cast(ContactLoss, link.law) for link in system.dampers if link.kind == "along"), None)
 
 
 # --- walls and the ground ---------------------------------------------------------------------------------------------
 
 
-@once
-def walls(system: System) -> tuple[Wall, ...]:
-    """The links of beads at the ends with walls."""
-    return tuple(link for link in system.ground if isinstance(link, Wall))
+def loss_beside(system: System, contacts: Links) -> Any:
+    """Dashpot law beside contacts or walls; None if they are undamped."""
+    dashpots = (link for link in system.dampers if link.touching and link.between == contacts.between)
+    return next((link.law for link in dashpots), None)
 
 
-@once
-def ground_springs(system: System) -> tuple[Ground, ...]:
-    """The springs to the ground."""
-    return tuple(link for link in system.ground if not isinstance(link, Wall | Weights))
+def at_place(links: Iterable[Links], place: int, beads: int) -> Iterator[tuple[Links, int]]:
+    """Links along the chains at a place among those before, between and behind their beads, from 0.
 
-
-@once
-def weights(system: System) -> tuple[Weights, ...]:
-    """The weights of beads that fall; none where they hang or stand at rest."""
-    return tuple(link for link in system.ground if isinstance(link, Weights))
-
-
-def wall_at(system: System, side: float) -> Wall:
-    """The walls on a side."""
-    return next(wall for wall in walls(system) if wall.side == side)
-
-
-def wall_loss(system: System, side: float) -> WallDashpot | None:
-    """Dashpot law of the walls on a side; None if they are undamped."""
-    dashpots = (link for link in system.dampers if isinstance(link, Wall) and link.side == side)
-    return next((cast(WallDashpot, link.law) for link in dashpots), None)
+    Yields:
+        The links, and the position there of those at the place.
+    """
+    for link in links:
+        if link.touching and place in (places := range(beads + 1)[link.between]):
+            yield link, place - places.start
 
 
 @once
@@ -531,7 +511,7 @@ def at(system: System, time: Any) -> System:
         return system
     shape = (*np.shape(time), system.chains, system.beads)
 
-    def at_time(link: Link) -> Link:
+    def at_time(link: Links) -> Links:
         law: Any = link.at(time).law
         return replace(link, law=type(law)(*(np.broadcast_to(value, shape) for value in law)))
 
@@ -544,11 +524,10 @@ def at(system: System, time: Any) -> System:
 def dissipation_names(system: System) -> tuple[str | None, ...]:
     """Names of what dissipates: dashpots along, across, to the ground and of walls, contacts; None where none does."""
 
-    def names(kind: type[Link]) -> list[str]:
-        walled = kind is Wall
-        return [x.name for x in system.dampers if isinstance(x, kind) and isinstance(x, Wall) == walled]
+    def names(kind: str) -> str | None:
+        return " and ".join(dict.fromkeys(link.name for link in system.dampers if link.kind == kind)) or None
 
-    dashpots = (" and ".join(dict.fromkeys(names(kind))) or None for kind in (Along, Across, Ground, Wall))
+    dashpots = map(names, ("along", "across", "ground", "wall"))
     return (*dashpots, "plastic contacts" if contacts_with_state(system) else None)
 
 
@@ -583,7 +562,8 @@ def simply_coupled(system: System) -> bool:
 
     Its beads have the mass 1.
     """
-    free = isinstance(masses(system), float) and not system.ground and system.start is None
+    others = system.ground or system.walls or system.weights or system.start is not None
+    free = isinstance(masses(system), float) and not others
     return free and open_row(system) and not acted_on(system) and not system.dampers
 
 

@@ -3,6 +3,8 @@
 Those of granchain itself are declared in its ``pyproject.toml`` like those of anybody else:
 
 - ``granchain.ingredients``: key of a scene = class derived from `lammps_inputs.ingredients.Ingredient`;
+- ``granchain.contacts``: name of a law of contacts = class derived from `lammps_inputs.ingredients.contact.Contact`,
+  which keys of ``contact`` choose; the first is that of no such key;
 - ``granchain.laws``: key of ingredients that names a law, ``force`` = module that makes laws of it;
 - ``granchain.starts``: ``run`` = function from the directory of a run to the keys of an initial state;
 - ``granchain.materials``: any name = dictionary from names to `lammps_inputs.materials.Solid`;
@@ -45,7 +47,7 @@ from lammps_inputs.errors import InputError
 DISTRIBUTION = "granchain"
 """Distribution whose parts come first."""
 
-NEEDED = ("ingredients", "materials", "scenes", "engines", "quantities")
+NEEDED = ("ingredients", "contacts", "materials", "scenes", "engines", "quantities")
 """Kinds without which nothing works; studies and tools may be absent."""
 
 

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 UNEQUAL = {"pattern": "jayaprakash2011", "taper": "doney2006", "disorder": "ponson2010", "striker": "sokolow2007"}
 HERTZ, POWER_LAW, GRADED = "hertz1882", ("nesterenko2001", "spadoni2010"), "chaunsali2018"
-MAGNETS = "moleron2014"
 LAMMPS, REFERENCE = "thompson2022", "blanes2002"
 SCHEMES = {"verlet": "swope1982", "suzuki4": "suzuki1990"}
 ENGINES = [LAMMPS, SCHEMES["verlet"], REFERENCE]
@@ -76,13 +75,15 @@ def _place(entry: dict[str, str]) -> str:
 
 def of_models() -> dict[str, list[str]]:
     """Laws and schemes that a scene can choose: subject -> keys of `bibtex`."""
+    from lammps_inputs.ingredients.contact import Contact
     from lammps_inputs.ingredients.registry import INGREDIENTS
 
-    sources = {"contacts of spheres": [HERTZ], "`contact.exponent`": [*POWER_LAW], "`contact.strength`": [GRADED]}
-    sources |= {"`contact.force`": [MAGNETS]}
+    sources = {"contacts of spheres": [HERTZ], "`contact.strength`": [GRADED]}
+    sources |= {f"`contact.{law.key}`": [*law.sources] for law in Contact.laws() if law.sources}
     sources |= {f"`{key}`": [source] for key, source in UNEQUAL.items()}
     sources |= {f"`{key}`": [*kind.sources] for key, kind in INGREDIENTS.items() if kind.sources}
-    chosen = [choice for kind in INGREDIENTS.values() for choice in kind.sources_of_laws.items()]
+    kinds = (kind for ingredient in INGREDIENTS.values() for kind in ingredient.kinds())
+    chosen = [choice for kind in kinds for choice in kind.sources_of_laws.items()]
     sources |= {f"`{key}`, law `{law}`": [*keys] for key, laws in chosen for law, keys in laws.items()}
     sources |= {f"`scheme: {name}`": [key] for name, key in SCHEMES.items()}
     return sources | {"engine LAMMPS": [LAMMPS], "reference integrator": [REFERENCE]}

@@ -102,8 +102,3 @@ class Rows:
         numbers = np.intersect1d(self.numbers, other.numbers)
         widths = [rows.width for rows in (self, other) if rows.width is not None]
         return Rows(self.beads, width=min(widths, default=None)).only(numbers)
-
-    def mirrored(self) -> "Rows":
-        """Rows with their beads in the mirror; twice is the rows themselves."""
-        listed = self.listed
-        return replace(self, listed=None if listed is None else tuple(self.beads + 1 - bead for bead in listed[::-1]))

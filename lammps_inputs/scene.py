@@ -6,11 +6,21 @@ No default depends on anything but the scene, and `Scene.resolved` fills every o
 import math
 from collections.abc import Iterator, Mapping
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, Union
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, BeforeValidator, Field, ValidationError, create_model, field_validator, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationError,
+    create_model,
+    field_validator,
+    model_validator,
+)
 
 from lammps_inputs import html, laws, physics, strict_yaml
 from lammps_inputs import scheme as schemes
@@ -30,6 +40,7 @@ from lammps_inputs.ingredients.base import (
     together,
 )
 from lammps_inputs.ingredients.material import Material
+from lammps_inputs.ingredients.profile import GapValues, values_of
 from lammps_inputs.ingredients.registry import INGREDIENTS, OWN_INGREDIENTS, SEVERAL
 from lammps_inputs.ingredients.unequal import KEYS as KEYS_OF_UNEQUAL
 from lammps_inputs.ingredients.unequal import (
@@ -46,7 +57,7 @@ from lammps_inputs.limits import solids as limits_of_material
 from lammps_inputs.limits.closing import never_closes
 from lammps_inputs.limits.rates import timestep_for
 from lammps_inputs.limits.solids import FLATTENED, LARGEST_OVERLAP, overlap_bounds, sound_speed
-from lammps_inputs.numbers import plain_values
+from lammps_inputs.numbers import number_or_array, plain_values
 from lammps_inputs.output import Limits, Output, too_far_apart
 from lammps_inputs.problem import Problem
 from lammps_inputs.rows import Rows
@@ -102,7 +113,7 @@ _OF_BEADS = ("gap", "material", "window", *KEYS_OF_UNEQUAL)
 _OF_THE_RUN = {"name", "description", "duration", "until_bead", "timestep", "accuracy", "scheme", "limits", "output"}
 """Keys on which no system depends, as ingredients do not see them: a copy with others has the same."""
 
-_BUILT = {"setting", "system", "_problem", "_released"}
+_BUILT = {"gaps", "setting", "system", "_problem", "_released"}
 """What is built of a scene once."""
 
 _EXCITATIONS = {
@@ -179,8 +190,10 @@ class BaseScene(ScenePart, metaclass=SceneType):
     """Number of chains."""
     beads: Annotated[int, Field(ge=2, le=10**8), Label("number of beads of a chain", "n_b")]
     """Number of beads of each chain."""
-    gap: Annotated[float, Field(ge=0, le=1e30), Unit("m"), Label("gap", "D")] = 0.0
-    """Clear distance between neighbouring beads at rest; 0: they just touch."""
+    gap: Annotated[GapValues, Label("gap", "D")] = 0.0
+    """Clear distance between neighbouring beads at rest, 0: they just touch; or gaps by contact, a list with one for
+    each contact, or random ones.
+    """
     kinds: Kinds | None = None
     """Kinds of beads by name, for `pattern` and `replace`."""
     pattern: Pattern | None = None
@@ -223,6 +236,8 @@ class BaseScene(ScenePart, metaclass=SceneType):
     @classmethod
     def _from_scripts(cls, data: Any) -> Any:
         return plain_values(data)
+
+    _from_list = field_validator("gap", mode="before")(strict_yaml.as_tuple)
 
     @field_validator("kick", mode="before")
     @classmethod
@@ -323,9 +338,10 @@ class BaseScene(ScenePart, metaclass=SceneType):
             units = [math.nan]
         if not all(1e-30 <= unit <= 1e30 for unit in units):
             raise ValueError("kick: these units overflow when made dimensionless; check the material and velocities")
-        if self.gap / scale.length * self.beads > MAX_LENGTH:
+        largest = float(np.max(self.gaps)) / scale.length
+        if largest * self.beads > MAX_LENGTH:
             raise ValueError(
-                f"gap: {self.gap / scale.length:.3g} in dimensionless units, so wide that positions lose their digits; "
+                f"gap: {largest:.3g} in dimensionless units, so wide that positions lose their digits; "
                 f"at most {MAX_LENGTH / self.beads:.3g} for {self.beads} beads"
             )
 
@@ -369,10 +385,10 @@ class BaseScene(ScenePart, metaclass=SceneType):
             []
         """
         warnings = list(self._unlikely_solids())
-        if self.material is not None and self.gap > FAR * self.material.radius:
-            ratio = self.gap / self.material.radius
-            meant = f"{self.gap:g} mm is {1e-3 * self.gap:g} m"
-            warnings.append(f"gap in m? {self.gap:g} m is {ratio:.3g} times the radius; {meant}")
+        gap = float(np.max(self.gaps))
+        if self.material is not None and gap > FAR * self.material.radius:
+            ratio = gap / self.material.radius
+            warnings.append(f"gap in m? {gap:g} m is {ratio:.3g} times the radius; {gap:g} mm is {1e-3 * gap:g} m")
         if self.chains == 1 and self.part("coupling") is not None:
             warnings.append("coupling: a single chain has no springs between chains; `chains: 2` gives it a neighbour")
         every = self._cadence()[0]
@@ -430,10 +446,10 @@ class BaseScene(ScenePart, metaclass=SceneType):
     def _check_motion(self, system: System) -> None:
         """Refuse scenes in which nothing happens, or what no beads of the material would do."""
         if physics.simply_coupled(system) and never_closes(
-            self.chains, physics.kappa(system), physics.gap(system), system.kicks, self.beads
+            self.chains, physics.kappa(system), system.along[0].gap, system.kicks, self.beads
         ):
             raise ValueError(
-                f"kick: none ever closes the gap of {self.gap:g}, so nothing collides; "
+                f"kick: none ever closes the gap of {float(np.max(self.gaps)):g}, so nothing collides; "
                 "kick a bead towards another (bead 1 forward), or leave the gap out"
             )
         if self.material is not None:
@@ -576,6 +592,11 @@ class BaseScene(ScenePart, metaclass=SceneType):
         """Part of the scene under a key; None where it names none."""
         return getattr(self, key, None)
 
+    @cached_property
+    def gaps(self) -> float | Floats:
+        """Clear distances of neighbouring beads at rest: a number, or [chain, contact], in the units of the scene."""
+        return number_or_array(values_of("gap", self.gap, (self.chains, self.beads - 1)))
+
     @property
     def ingredients(self) -> tuple[Ingredient, ...]:
         """Ingredients that the scene names."""
@@ -600,7 +621,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
         return Setting(
             chains=self.chains,
             beads=self.beads,
-            gap=self.gap,
+            gap=self.gaps,
             material=self.material,
             kicks=self.kicks,
             scale=scale,
@@ -619,7 +640,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
         scale = setting.scale
         mass, strength = masses_and_strengths(setting)
         law = setting.law_between(strength, partial(neighbours, setting))
-        touching = contacts(self.gap / scale.length, strength, law and laws.for_all(law, (self.chains, self.beads - 1)))
+        touching = contacts(self.gaps / scale.length, strength, law and laws.for_all(law, setting.contacts))
         links = [link for ingredient in self.ingredients for link in ingredient.links(setting)]
         loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(setting))
         motions = tuple(motion for ingredient in self.ingredients for motion in ingredient.motions(setting))
@@ -799,7 +820,12 @@ def _one_or_several(value: Any) -> Any:
 
 
 def _annotation(ingredient: type[Ingredient]) -> Any:
-    """Type of an ingredient's key in a scene."""
+    """Type of an ingredient's key in a scene; where keys choose among classes, that of all these."""
+    kinds = ingredient.kinds()
+    if len(kinds) > 1:
+        tagged: Any = Union[tuple(Annotated[kind, Tag(f"<{kind.__name__}>")] for kind in kinds)]  # noqa: UP007
+        tag = Discriminator(lambda value: f"<{ingredient.kind_of(value).__name__}>")
+        return Annotated[tagged, tag] | None
     if not ingredient.several:
         return ingredient | None
     return Annotated[tuple[ingredient, ...] | None, BeforeValidator(_one_or_several)]  # type: ignore[valid-type]

@@ -19,7 +19,7 @@ from lammps_inputs.deck_lines import PLACES
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws.contact import under
 from lammps_inputs.layout import layout_of
-from lammps_inputs.links import Along, Link, Wall
+from lammps_inputs.links import Links
 from lammps_inputs.numbers import power_of_two_at_least
 from lammps_inputs.system import System
 
@@ -82,30 +82,25 @@ def _grid(system: System, rest: float, energy: float) -> float:
         rest: largest overlap at rest, in units of L.
         energy: energy that one contact may hold beside it, in units of m V**2.
     """
-    alone = max(laws.max_strain(link.law, energy) for link in (*system.along, *physics.walls(system)))
+    alone = max(laws.max_strain(link.law, energy) for link in (*system.along, *system.walls))
     diameter = power_of_two_at_least(max(layout_of(system).diameter, 4.0, 2.0 * (rest + alone)))
     return float(np.spacing(0.75 * power_of_two_at_least((system.beads + 1) * diameter)))
 
 
-def _loaded(link: Link, force: NDArray[np.float64], grid: float) -> Link:
-    law: Any = link.law
-    if isinstance(link, Along):
-        between = force[:, 1:-1]
-        even = np.ndim(law.strength) == 0 and float(np.ptp(between)) == 0.0
-        return replace(link, law=under(law, float(between[0, 0]) if even else between, grid))
-    if isinstance(link, Wall):
-        at_wall = np.zeros((force.shape[0], force.shape[1] - 1))
-        bead = -1 if link.side > 0.0 else 0
-        at_wall[:, bead] = force[:, bead]
-        return replace(link, law=under(law, at_wall, grid))
-    return link
-
-
-def _damped(link: Link, system: System) -> Link:
-    """Dashpots of contacts and walls, which know the overlap at rest."""
-    if not isinstance(link, Along | Wall):
+def _loaded(link: Links, force: NDArray[np.float64], grid: float) -> Links:
+    if not link.touching:
         return link
-    beside = system.along[0] if isinstance(link, Along) else physics.wall_at(system, link.side)
+    law: Any = link.law
+    between = force[:, link.between]
+    even = np.ndim(law.strength) == 0 and float(np.ptp(between)) == 0.0
+    return replace(link, law=under(law, float(between[0, 0]) if even else between, grid))
+
+
+def _damped(link: Links, system: System) -> Links:
+    """Dashpots of contacts and walls, which know the overlap at rest."""
+    if not link.touching:
+        return link
+    beside = next(contact for contact in system.links if contact.touching and contact.between == link.between)
     return replace(link, law=replace(link.law, rest=beside.law.rest))  # type: ignore[call-arg]
 
 

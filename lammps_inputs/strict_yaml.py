@@ -33,6 +33,9 @@ def as_tuple(value: Any) -> Any:
     return tuple(map(as_tuple, value)) if isinstance(value, list) else value
 
 
+_TEXT, _INT = "tag:yaml.org,2002:str", "tag:yaml.org,2002:int"
+
+
 class _Loader(yaml.SafeLoader):
     """A safe loader that refuses duplicate keys, keys that are not text, tags, anchors and aliases."""
 
@@ -62,7 +65,9 @@ class _Loader(yaml.SafeLoader):
                     key_node,
                 )
             before = value_node
-            if key_node.tag != "tag:yaml.org,2002:str" or not key.isprintable():
+            if key_node.tag == _INT and re.fullmatch("[1-9][0-9]*", key):
+                key_node.tag = _TEXT  # a number of the user's, such as of a contact
+            if key_node.tag != _TEXT or not key.isprintable():
                 raise _refusal("keys are plain words", key_node)
             if key in keys:
                 raise _refusal(f"key {key!r} is given twice", key_node)
@@ -82,7 +87,14 @@ def _refusal(problem: str, where: Any) -> yaml.MarkedYAMLError:
 
 
 class _Dumper(yaml.SafeDumper):
-    """A safe dumper that quotes text which `_Loader` would take for a number, such as ``1e5``."""
+    """A safe dumper that quotes text which `_Loader` would take for a number, such as ``1e5``, but for keys."""
+
+    def represent_mapping(self, tag: str, mapping: Any, flow_style: bool | None = None) -> yaml.MappingNode:
+        node = super().represent_mapping(tag, mapping, flow_style)
+        for key, _ in node.value:
+            if key.tag == _TEXT and re.fullmatch("[1-9][0-9]*", key.value):
+                key.tag = _INT
+        return node
 
 
 def _text_node(dumper: _Dumper, text: str) -> yaml.ScalarNode:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs.facts import Fact
-from lammps_inputs.links import Across, Along, Ground, Link
+from lammps_inputs.links import Links
 from lammps_inputs.loads import Load, Motion
 
 
@@ -70,10 +70,6 @@ class Start:
         """The start of chosen rows, [row] counted from 0."""
         return Start(self.displacement[:, rows], self.velocity[:, rows])
 
-    def mirrored(self) -> "Start":
-        """The start with the numbers of the beads reversed."""
-        return Start(-self.displacement[:, ::-1], -self.velocity[:, ::-1])
-
     def __eq__(self, other: object) -> bool:
         """Whether all is the same, to the last number."""
         if not isinstance(other, Start):
@@ -100,7 +96,7 @@ class System:
     beads: int
     kicks: tuple[tuple[int, int, float], ...]
     """(chain, bead, velocity), counted from 1; the largest |velocity| is 1."""
-    links: tuple[Link, ...]
+    links: tuple[Links, ...]
     """All forces there are: contacts first, links that tie further lines of atoms last."""
     mass: float | NDArray[np.float64] = 1.0
     """1 where all beads have the reference bead's, else [chain, bead]."""
@@ -112,7 +108,7 @@ class System:
     """Forces on beads from outside, over time."""
     motions: tuple[Motion, ...] = ()
     """Beads whose motion is given."""
-    dampers: tuple[Link, ...] = ()
+    dampers: tuple[Links, ...] = ()
     """Forces against velocities: links with laws of damping."""
     start: Start | None = None
     """Displacements and velocities at the start; None where all atoms are at rest but for kicks and given motions."""
@@ -132,27 +128,27 @@ class System:
         return fact not in self.lacks
 
     @cached_property
-    def along(self) -> tuple[Along, ...]:
+    def along(self) -> tuple[Links, ...]:
         """The links along the chains."""
-        return tuple(link for link in self.links if isinstance(link, Along))
+        return tuple(link for link in self.links if link.kind == "along")
 
     @cached_property
-    def across(self) -> tuple[Across, ...]:
+    def across(self) -> tuple[Links, ...]:
         """The links across the lines of atoms: the couplings of chains, then the ties of further lines."""
-        return tuple(link for link in self.links if isinstance(link, Across))
+        return tuple(link for link in self.links if link.kind == "across")
 
     @cached_property
-    def links_of_chains(self) -> tuple[Link, ...]:
+    def links_of_chains(self) -> tuple[Links, ...]:
         """The links but for the ties of further lines of atoms."""
         return tuple(link for link in self.links if not self.is_tie(link))
 
     @cached_property
-    def couplings(self) -> tuple[Across, ...]:
+    def couplings(self) -> tuple[Links, ...]:
         """The links across that couple chains with each other."""
-        return tuple(link for link in self.links_of_chains if isinstance(link, Across))
+        return tuple(link for link in self.across if not self.is_tie(link))
 
     @cached_property
-    def ties(self) -> tuple[Across, ...]:
+    def ties(self) -> tuple[Links, ...]:
         """The links across that tie further lines of atoms."""
         return tuple(link for link in self.across if self.is_tie(link))
 
@@ -168,9 +164,9 @@ class System:
             start=None if self.start is None else self.start.on(rows),
         )
 
-    def is_tie(self, link: Link) -> bool:
+    def is_tie(self, link: Links) -> bool:
         """Whether a link ties atoms of further lines, not only beads of chains."""
-        return isinstance(link, Across) and any(higher >= self.chains for _, higher in link.edges)
+        return any(higher >= self.chains for _, higher in link.edges)
 
     @cached_property
     def chain_of_line(self) -> NDArray[np.int64]:
@@ -195,9 +191,19 @@ class System:
         return " and ".join(noun.plural for noun in self.lines_by_noun)
 
     @cached_property
-    def ground(self) -> tuple[Ground, ...]:
-        """The links to the ground."""
-        return tuple(link for link in self.links if isinstance(link, Ground))
+    def ground(self) -> tuple[Links, ...]:
+        """The links of beads with their places at rest, weights apart."""
+        return tuple(link for link in self.links if link.kind == "ground" and not link.law.constant)
+
+    @cached_property
+    def weights(self) -> tuple[Links, ...]:
+        """The weights of beads that fall; none where they hang or stand at rest."""
+        return tuple(link for link in self.links if link.kind == "ground" and link.law.constant)
+
+    @cached_property
+    def walls(self) -> tuple[Links, ...]:
+        """The links of beads at the ends with walls."""
+        return tuple(link for link in self.links if link.kind == "wall")
 
 
 def _same(first: object, second: object) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs.ingredients import unequal
-from lammps_inputs.links import Across, Along, Link, Wall
+from lammps_inputs.links import Links
 from lammps_inputs.numbers import known, text
 from lammps_inputs.units import Dimension, Scale, dimension_of
 
@@ -66,9 +66,12 @@ def _of_beads(scene: "BaseScene") -> Iterator[BeadColumn]:
     )
 
 
-def _of_link(link: Link, scene: "BaseScene") -> Iterator[BeadColumn]:
+def _of_link(link: Links, scene: "BaseScene") -> Iterator[BeadColumn]:
+    if np.ndim(link.gap) > 0:
+        for _, table in _at_beads(link, link.gap, scene):
+            yield BeadColumn(scene.scale.heading("gap", "length"), scene.scale.length * table)
     hints = get_type_hints(type(link.law), include_extras=True)
-    for parameter, values in zip(link.law.names, link.law, strict=True):
+    for parameter, values in link.law.by_name.items():
         dimension = dimension_of(hints[parameter])
         if np.ndim(values) == 0 or dimension is None:
             continue
@@ -77,13 +80,13 @@ def _of_link(link: Link, scene: "BaseScene") -> Iterator[BeadColumn]:
             yield BeadColumn(f"{name}{place}{unit}", dimension.worth(scene.scale) * table)
 
 
-def _at_beads(link: Link, values: Any, scene: "BaseScene") -> Iterator[tuple[str, Floats]]:
+def _at_beads(link: Links, values: Any, scene: "BaseScene") -> Iterator[tuple[str, Floats]]:
     """Values of links, [chain, bead], and what their names end with; one table for each neighbour of a graph."""
     shape = (scene.chains, scene.beads)
-    if isinstance(link, Along):
+    if link.kind == "along":
         contacts = np.broadcast_to(values, (scene.chains, scene.beads - 1))
         yield "", np.pad(contacts, ((0, 0), (0, 1)), constant_values=np.nan)
-    elif isinstance(link, Across):
+    elif link.kind == "across":
         rows = np.broadcast_to(values, (len(link.edges), scene.beads))
         tables: dict[str, Floats] = {}
         for (lower, higher), row in zip(link.edges, rows, strict=True):
@@ -91,8 +94,10 @@ def _at_beads(link: Link, values: Any, scene: "BaseScene") -> Iterator[tuple[str
             tables.setdefault(place, np.full(shape, np.nan))[lower] = row
         yield from tables.items()
     else:
-        beads = np.array(np.broadcast_to(values, shape))
-        yield "", np.where(beads == 0.0, np.nan, beads) if isinstance(link, Wall) else beads
+        (beads, _), *_ = link.ends
+        table = np.full(shape, np.nan)
+        table[:, beads.rows] = values
+        yield "", table
 
 
 def _symbol(dimension: Dimension, scale: Scale) -> str:

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from executables import RELEASES
 from ingredient_scenes import CASES, STEEL, exact, exponent, in_units, scene
+from mirror import mirrored_problem
 from plain_scene import goes_on_bit_for_bit
 from stock_lammps import run as run_deck
 from wrong_runs import deck_run, substituted, without_uncertainties
 
 from analysis.conservation import ConservationMeter
-from analysis.trajectory import mirrored_problem
 from lammps_inputs import laws, physics
 from lammps_inputs.decks import continuation, deck
 from lammps_inputs.facts import Fact

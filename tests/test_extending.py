@@ -103,6 +103,15 @@ def test_the_measures_number_is_printed_written_and_computed_by_studies(folder: 
 
 
 @pytest.mark.slow
+def test_a_law_of_contacts_is_a_key_of_contacts_with_walls_and_strengths(folder: Path, tree: Path) -> None:
+    environment = apply("A law of contacts", tree)
+    name = scene(folder, contact={"stiffening": 0.5, "strength": [1, 2] * 9 + [1]}, walls={"right": "bead"})
+    granchain(environment, folder, "run", name, "-o", "out", "--engine", "reference")
+    assert "$defs" in (schema := json.loads(granchain(environment, folder, "schema")))
+    assert "stiffening" in schema["$defs"]["StiffeningContact"]["properties"]
+
+
+@pytest.mark.slow
 def test_the_quantity_at_a_bead_is_a_column_of_waves_and_of_the_table_of_a_sweep(folder: Path, tree: Path) -> None:
     environment = apply("A quantity at a bead", tree)
     name = scene(folder)

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
+from mirror import mirrored_problem
 from plain_scene import BEADS, scene
 
 from analysis import motion
-from analysis.trajectory import mirrored_problem
 from lammps_inputs import physics
 from lammps_inputs.decks import deck
 from lammps_inputs.limits import rates

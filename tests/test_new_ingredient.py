@@ -19,7 +19,7 @@ from lammps_inputs import laws
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Stiffness
 from lammps_inputs.laws.spring import Linear
-from lammps_inputs.links import Ground
+from lammps_inputs.links import Links
 from lammps_inputs.units import Label
 
 
@@ -35,7 +35,7 @@ class Tether(Ingredient):
 
     def links(self, scene):
         """Springs of all beads."""
-        return (Ground("tether", laws.dimensionless(Linear(self.stiffness), scene.scale)),)
+        return (Links.ground("tether", laws.dimensionless(Linear(self.stiffness), scene.scale)),)
 '''
 
 OWED = (

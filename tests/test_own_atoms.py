@@ -13,7 +13,7 @@ from lammps_inputs import library, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.ingredients.base import FurtherAtoms, together
 from lammps_inputs.laws.spring import Linear
-from lammps_inputs.links import Across
+from lammps_inputs.links import Links
 from lammps_inputs.system import FurtherLine, Noun
 from workflow.engines.reference import engine
 from workflow.measures.budget import BudgetMeasurement, ClosedAccount
@@ -49,7 +49,7 @@ def atoms(mass, noun, chain_of_line=()):
     """Atoms at the beads of some lines, each tied to its bead by a spring."""
     mass = np.array(mass, dtype=float)
     edges = tuple((chain, 2 + line) for line, chain in enumerate(chain_of_line or (0, 1)))
-    return FurtherAtoms(mass, (Across(noun[0], Linear(1.0), edges=edges),), (), noun, chain_of_line)
+    return FurtherAtoms(mass, (Links.across(noun[0], Linear(1.0), edges=edges),), (), noun, chain_of_line)
 
 
 def test_lines_of_one_noun_and_chain_are_shared_where_places_are_free_and_no_others():
@@ -71,7 +71,7 @@ def test_lines_for_which_no_chain_is_named_are_those_of_all_chains_in_turn():
 
 def test_an_atom_at_one_bead_of_one_chain_weighs_on_it_and_stands_at_its_place():
     made = library.from_plain({**KEYS, "precompression": {"force": 0.1}}, "test").problem()
-    hung = Across("hung", Linear(np.array([[0.0] * 2 + [1.0] + [0.0] * 3])), edges=((1, 2),))
+    hung = Links.across("hung", Linear(np.array([[0.0] * 2 + [1.0] + [0.0] * 3])), edges=((1, 2),))
     line = FurtherLine(np.array([0.0, 0.0, 0.5, 0.0, 0.0, 0.0]), 1, PENDULUM)
     system = replace(made.system, further_lines=(line,), links=(*made.system.links, hung))
     assert np.argwhere(np.asarray(physics.mass_with_tied(system)) != 1.0).tolist() == [[1, 2]]

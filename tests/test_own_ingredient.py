@@ -32,7 +32,7 @@ from lammps_inputs.ingredients.base import FurtherAtoms, Ingredient, Positive
 from lammps_inputs.laws import Law, Parameter, Pure, dimensionless, formula
 from lammps_inputs.laws.plastic import LargestOverlap
 from lammps_inputs.laws.spring import Linear
-from lammps_inputs.links import Across, Ground
+from lammps_inputs.links import Links
 from lammps_inputs.units import Dimension
 
 
@@ -66,7 +66,7 @@ class Tie(Ingredient):
 
     def links(self, scene):
         law = dimensionless(Quintic(self.quintic), scene.scale)
-        return (Across("tie", law, edges=tuple((chain, chain + 1) for chain in range(scene.chains - 1))),)
+        return (Links.across("tie", law, edges=tuple((chain, chain + 1) for chain in range(scene.chains - 1))),)
 
 
 class Bed(Ingredient):
@@ -75,7 +75,7 @@ class Bed(Ingredient):
     quintic: Annotated[float, Field(gt=0)]
 
     def links(self, scene):
-        return (Ground("bed", dimensionless(Quintic(self.quintic), scene.scale)),)
+        return (Links.ground("bed", dimensionless(Quintic(self.quintic), scene.scale)),)
 
 
 class Stiffening(Law):
@@ -123,7 +123,7 @@ class Masses(Ingredient):
 
     def further_atoms(self, scene):
         edges = tuple((chain, scene.chains + chain) for chain in range(scene.chains))
-        link = Across("masses", Linear(self.stiffness / scene.scale.stiffness), edges=edges)
+        link = Links.across("masses", Linear(self.stiffness / scene.scale.stiffness), edges=edges)
         return FurtherAtoms(np.full((scene.chains, scene.beads), self.mass / scene.scale.mass), (link,))
 
     def lacks(self, scene):

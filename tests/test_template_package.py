@@ -1,4 +1,4 @@
-"""A distribution beside granchain adds a law, an ingredient, a material, a scene, a quantity, a study, a function."""
+"""A distribution beside granchain adds laws, an ingredient, a material, a scene, a quantity, a study, a function."""
 
 import csv
 import json
@@ -77,6 +77,14 @@ def test_its_quantity_is_printed_written_and_collected(site: Path, folder: Path)
         values = [float(row[column]) for row in csv.DictReader(file)]
     assert values[0] == pytest.approx(stated, rel=1e-3)
     assert values[1] > values[0]
+
+
+def test_its_law_of_contacts_is_chosen_by_a_key(site: Path, tmp_path: Path) -> None:
+    plain = {"name": "stiff", "beads": 9, "kick": {"velocity": 1}, "duration": 5, "contact": {"stiffening": 0.5}}
+    (tmp_path / "stiff.yaml").write_text(strict_yaml.dump(plain))
+    granchain(site, tmp_path, "run", "stiff.yaml", "-o", "stiff")
+    record = json.loads((tmp_path / "stiff" / "run.json").read_text())
+    assert 0.0 < record["check"]["velocity"] < record["settings"]["accuracy"]
 
 
 def test_its_study_is_a_command(site: Path, tmp_path: Path) -> None:

@@ -278,7 +278,9 @@ def sources() -> list[tuple[str, bytes]]:
         for folder in spec.submodule_search_locations or ()
         for file in sorted(Path(folder).rglob("*.py"))
     ]
-    ingredient_files = {inspect.getsourcefile(ingredient) for ingredient in INGREDIENTS.values()}
+    ingredient_files = {
+        inspect.getsourcefile(kind) for ingredient in INGREDIENTS.values() for kind in (ingredient, *ingredient.kinds())
+    }
     files += sorted(Path(file) for file in ingredient_files if file and root not in Path(file).parents)
     return [
         (file.relative_to(root).as_posix() if root in file.parents else file.name, file.read_bytes()) for file in files

@@ -15,11 +15,14 @@ Examples:
     lammps_inputs.errors.InputError: scene: 7 given; the name of a scene, its file, its plain data or a Scene
 """
 
+import math
+import numbers
 import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
+from analysis.files.traces import FREE, Given, TraceFile
 from lammps_inputs import Scene, library
 from lammps_inputs.numbers import plain_values
 from workflow.checked import Between, Valid, checked, path
@@ -44,6 +47,29 @@ def _run(value: Any) -> Any:
     if isinstance(value, str | os.PathLike):
         return path(value)
     raise ValueError("a run, or the path of its directory, such as 'out'")
+
+
+def _compared(value: Any) -> Any:
+    if isinstance(value, CompletedRun | RunDirectory | TraceFile):
+        return value
+    if isinstance(value, str | os.PathLike):
+        return path(value)
+    raise ValueError("a run, the path of its directory or of a file, or what `trace_file` returns")
+
+
+def _traces(value: Any) -> Any:
+    if isinstance(value, TraceFile):
+        return value
+    if isinstance(value, str | os.PathLike):
+        return path(value)
+    raise ValueError("the path of a file of traces, or what `trace_file` returns")
+
+
+def _calibration(value: Any) -> Any:
+    number = isinstance(value, numbers.Real) and not isinstance(value, bool) and math.isfinite(value)
+    if not number and value != FREE:
+        raise ValueError("a number, or 'free'")
+    return value if value == FREE else float(value)
 
 
 def _definition(value: Any) -> Any:
@@ -79,6 +105,37 @@ Examples:
     >>> scene_files.write(granchain.load("one-chain"), tmp)
     >>> scene_of(tmp)
     'one-chain'
+"""
+
+AnyCompared = Annotated[CompletedRun | RunDirectory | TraceFile | Path | str, Valid(_compared)]
+"""A run, or its directory, or a file.
+
+Examples:
+    >>> @checked
+    ... def name_of(against: AnyCompared) -> str:
+    ...     return str(against)
+    >>> name_of("scope.csv")
+    'scope.csv'
+    >>> name_of(3)
+    Traceback (most recent call last):
+        ...
+    lammps_inputs.errors.InputError: against: 3 given; a run, the path of its directory or of a file, or what \
+`trace_file` returns
+"""
+
+AnyTraces = Annotated[TraceFile | Path | str, Valid(_traces)]
+"""A file of measured traces, alone or as `trace_file` describes it.
+
+Examples:
+    >>> @checked
+    ... def name_of(against: AnyTraces) -> str:
+    ...     return str(against)
+    >>> name_of("scope.csv")
+    'scope.csv'
+    >>> name_of(3)
+    Traceback (most recent call last):
+        ...
+    lammps_inputs.errors.InputError: against: 3 given; the path of a file of traces, or what `trace_file` returns
 """
 
 AnyDefinition = Annotated[Mapping[str, Any] | Path | str, Valid(_definition)]
@@ -137,6 +194,43 @@ def load(scene: AnyScene, changes: Mapping[str, Any] | None = None) -> Scene:
     else:
         loaded = scene if isinstance(scene, Scene) else library.find(str(scene))
     return library.from_plain(fields.put_all(loaded.plain(), changes), source_of(scene)) if changes else loaded
+
+
+@checked
+def trace_file(
+    path: Path | str,
+    columns: Mapping[str, str] | None = None,
+    *,
+    skip: Annotated[int, Between(0)] | None = None,
+    gain: Mapping[str, Annotated[Given, Valid(_calibration)]] | None = None,
+    baseline: Mapping[str, Annotated[Given, Valid(_calibration)]] | None = None,
+) -> TraceFile:
+    """Describe a file of measured traces, such as an oscilloscope's, for ``fit`` and ``validate``.
+
+    The force (velocity, displacement) is gain (signal - baseline). Columns of the file are named by their headings, or
+    by their numbers from 1, such as ``#4``.
+
+    Args:
+        path: the file; nothing is read here.
+        columns: name of a trace, or ``time``, with a unit in brackets where the file has none -> column of the file.
+        skip: number of lines before the names of the columns; by default they are looked for.
+        gain: column -> force in N (velocity in m/s, displacement in m) per unit of the column, or ``"free"`` to
+            estimate it, with ``fit`` only.
+        baseline: column -> signal at rest, in the unit of the column, or ``"free"``; 0 by default.
+
+    Returns:
+        The description, for the argument ``against``.
+
+    Raises:
+        InputError: an argument is of another kind.
+
+    Examples:
+        >>> columns = {"time": "TIME", "force_wall_right (V)": "CH1"}
+        >>> scope = granchain.trace_file("scope.csv", columns, gain={"CH1": 20.5})
+        >>> scope.path.name, scope.skip
+        ('scope.csv', None)
+    """
+    return TraceFile(Path(path), columns or {}, skip, gain or {}, baseline or {})
 
 
 def source_of(scene: AnyScene) -> str:

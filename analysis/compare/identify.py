@@ -28,7 +28,7 @@ from analysis.compare.momentum import (
 )
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs.laws.spring import Linear
-from lammps_inputs.links import Across, Along, Ground, Link
+from lammps_inputs.links import Links
 from lammps_inputs.loads import Load
 
 LEAST_FRAMES = 10
@@ -278,7 +278,7 @@ def _departures(equations: MomentumEquations, fit: LeastSquares, noise: float) -
 def _links_and_beads(equations: MomentumEquations, noise: float, limit: float) -> Explanation | None:
     """Factors of single links of one kind, or of single masses; None if they leave more than a limit."""
     # a larger mass is a force against the change of momentum
-    masses = LinkImpulses("bead", Ground("bead", Linear(0.0)), equations.change[:, : equations.system.chains])
+    masses = LinkImpulses("bead", Links.ground("bead", Linear(0.0)), equations.change[:, : equations.system.chains])
     families = [(part, "strength") for part in equations.scene_links()] + [(masses, "mass")]
     return _best([_one_by_one(equations, part, quantity, noise) for part, quantity in families], noise, limit)
 
@@ -311,7 +311,7 @@ def _single_factors(equations: MomentumEquations, family: LinkImpulses) -> tuple
     from scipy.sparse.linalg import LinearOperator, lsmr
 
     link, impulse, shape = family.link, family.impulse, family.impulse.shape[1:]
-    size = np.sqrt(np.sum(impulse**2, axis=0) * (1.0 if isinstance(link, Ground) else 2.0))  # on two beads
+    size = np.sqrt(np.sum(impulse**2, axis=0) * len(link.ends))
     felt = np.where(size > _FELT * np.max(size), size, np.inf)
 
     def column(change: Floats) -> Floats:
@@ -329,11 +329,11 @@ def _single_factors(equations: MomentumEquations, family: LinkImpulses) -> tuple
     return change.reshape(shape) / felt, size, _norm(residual - column(change))
 
 
-def _place(link: Link, line: int, bead: int) -> str:
+def _place(link: Links, line: int, bead: int) -> str:
     """Place of one of some links."""
-    if isinstance(link, Along):
+    if link.kind == "along":
         return f"between beads {bead + 1} and {bead + 2} of chain {line + 1}"
-    if isinstance(link, Across):
+    if link.kind == "across":
         lower, higher = link.edges[line]
         return f"between chains {lower + 1} and {higher + 1} in row {bead + 1}"
     return f"{bead + 1} of chain {line + 1}" if link.name == "bead" else f"at bead {bead + 1} of chain {line + 1}"
@@ -353,7 +353,7 @@ def _other_law(equations: MomentumEquations, part: LinkImpulses) -> Explanation:
     """Force that is another function of the strain: with another exponent or gap, if one explains it, or unknown."""
     effect = _norm(equations.residual) / equations.size
     exponent = _other_parameters_of(equations, part, _of_exponent)
-    gap = _other_parameters_of(equations, part, _of_gap) if isinstance(part.link, Along) else None
+    gap = _other_parameters_of(equations, part, _of_gap) if part.link.kind == "along" else None
     named = [fit for fit in (exponent, gap) if fit is not None]
     multiplied = _multiplied(equations, part)
     if named:
@@ -401,7 +401,7 @@ def _of_exponent(
 def _of_gap(equations: MomentumEquations, part: LinkImpulses) -> tuple[str, Callable[[float], ForceOfState]] | None:
     """Contacts without a static load that close at another distance of the beads."""
     link = part.link
-    if not isinstance(link, Along) or np.any(link.law.load) or link.law.exponent is None:
+    if np.any(link.law.load) or link.law.exponent is None:
         return None
     return "gap", lambda change: equations.force(replace(link, gap=link.gap + change))
 
@@ -445,7 +445,7 @@ def _other_course(equations: MomentumEquations, load: Load, noise: float) -> Exp
         departures = (
             other_parameters(
                 name_of_load(load),
-                dict(zip(load.law.names, load.law, strict=True)),
+                load.law.by_name,
                 lambda *parameters: np.diff(load.law.impulse(times, *parameters)),
                 np.diff(load.impulse(times)) + residual,
                 max(NOISE * noise, EXPLAINED * _norm(residual)),

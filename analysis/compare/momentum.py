@@ -18,7 +18,7 @@ from lammps_inputs.laws import dashpot
 from lammps_inputs.laws.contact import pressed
 from lammps_inputs.laws.dashpot import ContactDashpot, Dashpot
 from lammps_inputs.laws.spring import Linear
-from lammps_inputs.links import Across, Along, Ground, Link, Wall
+from lammps_inputs.links import Links
 from lammps_inputs.loads import Load
 
 STATIC = "static load of the contacts"
@@ -62,7 +62,7 @@ class LinkImpulses:
     """Links of one law and their impulses, [interval, ...] as the forces of links; ``scene``: see `MomentumTerm`."""
 
     name: str
-    link: Link
+    link: Links
     impulse: Floats
     scene: float = 1.0
 
@@ -105,17 +105,17 @@ class MomentumEquations:
         """Links and dashpots of the scene with their impulses, but for what changes in time."""
         return [part for part in self.links if part.scene and part.name == part.link.name]
 
-    def lines(self, link: Link) -> slice:
+    def lines(self, link: Links) -> slice:
         """Lines of the atoms that links are among."""
         return link.lines_among(self.system.chains)
 
-    def column(self, link: Link, impulse: Floats) -> Floats:
+    def column(self, link: Links, impulse: Floats) -> Floats:
         """Change of momentum of all atoms, [interval, line, bead], by impulses of links, [interval, ...]."""
         total = np.zeros_like(self.change)
         link.drive(total[:, self.lines(link)], impulse)
         return self._but_for_driven(total)
 
-    def force(self, link: Link) -> ForceOfState:
+    def force(self, link: Links) -> ForceOfState:
         """Force of links or dashpots as a function of time and state."""
         lines = self.lines(link)
         if link.law.damping is not None:
@@ -222,20 +222,20 @@ def name_of_beads(mass: float) -> str:
     return f"beads of mass {mass:.3g}"
 
 
-def _under(link: Link, load: float) -> Link:
+def _under(link: Links, load: float) -> Links:
     """Links with their static load multiplied by a factor."""
     return link if load == 1.0 or not np.any(link.law.load) else replace(link, law=pressed(link.law, load))
 
 
-def _missing(system: System) -> Iterator[Link]:
+def _missing(system: System) -> Iterator[Links]:
     """Springs between the chains and to the ground, and dashpots, linear and of coefficient 1, that a system lacks."""
     if system.chains > 1 and not system.couplings:
-        yield Across("coupling", Linear(1.0), edges=tuple((j, j + 1) for j in range(system.chains - 1)))
-    if not physics.ground_springs(system):
-        yield Ground("foundation", Linear(1.0))
+        yield Links.across("coupling", Linear(1.0), tuple((j, j + 1) for j in range(system.chains - 1)))
+    if not system.ground:
+        yield Links.ground("foundation", Linear(1.0))
     if physics.contact_loss(system) is None:
         contacts = system.along[0]
         dashpot_law = ContactDashpot(1.0, rest=contacts.law.rest)
-        yield Along("contact_damping", dashpot_law, gap=contacts.gap)
-    if all(isinstance(link, Along | Across | Wall) for link in system.dampers):
-        yield Ground("bead_damping", Dashpot(1.0))
+        yield Links.along("contact_damping", dashpot_law, contacts.gap)
+    if all(link.kind != "ground" for link in system.dampers):
+        yield Links.ground("bead_damping", Dashpot(1.0))

@@ -371,7 +371,11 @@ def title(problem: Problem, *, each_chain: bool = False, panels: bool = False, u
         numbers.append(_coupling(problem))
     if physics.gap(system):
         unit = axis_unit(problem, "length", physics.gap(system))
-        numbers.append(f"gap {physics.gap(system) * unit.worth:.4g}{f' {unit.symbol}' if problem.scale.si else ''}")
+        least = float(np.min(system.along[0].gap)) * unit.worth
+        range_of_gaps = "gap" if physics.one_gap(system) else f"gaps {least:.4g} to"
+        numbers.append(
+            f"{range_of_gaps} {physics.gap(system) * unit.worth:.4g}{f' {unit.symbol}' if problem.scale.si else ''}"
+        )
     numbers += [
         *_load(problem),
         f"$V$ = {problem.scale.measured(1.0, 'velocity'):.4g}{problem.scale.after('velocity')}",

@@ -1,12 +1,15 @@
 """A user's own trajectory in a file: a long table of time, chain, bead and displacement or velocity, or an npz.
 
-Text has a header line with the column names and commas or blanks between columns; other columns are passed over. An npz
+Text has a header line with the column names and semicolons, commas, tabs or blanks between columns; other columns are
+passed over. An npz
 holds arrays under those names: one number per row of such a table, or a grid, that is ``time`` [frame] with
 ``displacement`` and/or ``velocity`` [frame, chain, bead] (then ``chain`` and ``bead`` may number the axes; else they
 count from 1). A place without a value is left out of a table; a value that is not a finite number is refused.
 """
 
+import itertools
 import math
+import re
 import struct
 import warnings
 import zipfile
@@ -114,7 +117,8 @@ def _refuse_what_unpacks_to_too_much(path: Path, archive: zipfile.ZipFile) -> No
 
 
 def _from_text(path: Path) -> dict[str, Floats]:
-    def chosen(names: list[str]) -> dict[str, int]:
+    def chosen(head: Head) -> dict[str, int]:
+        names = head.names
         wanted = [name for name in (*KEYS, *VALUES) if name in names]
         if not wanted:
             raise InputError(f"{path}: its first line names no column; needed are {', '.join((*KEYS, *VALUES))}")
@@ -123,95 +127,140 @@ def _from_text(path: Path) -> dict[str, Floats]:
                 raise InputError(f"{path}: its first line names {name!r} twice")
         return {name: names.index(name) for name in wanted}
 
-    places, data = read_text(path, chosen, "is neither a text table nor an npz")
+    _, places, data = read_text(path, first_line, chosen, "is neither a text table nor an npz")
     return {name: data[:, k] for k, name in enumerate(places)}
+
+
+@dataclass(frozen=True)
+class Head:
+    """Head of a text table.
+
+    Attributes:
+        names: names of the columns.
+        delimiter: what stands between columns; None for blanks.
+        lines: number of lines before the rows.
+        units: units of the columns where a line below the names has them, else empty.
+    """
+
+    names: list[str]
+    delimiter: str | None
+    lines: int
+    units: tuple[str, ...] = ()
+
+
+def first_line(path: Path) -> Head:
+    """Head of a text whose first line has the names of the columns."""
+    with path.open(encoding="utf-8-sig") as file:
+        return Head(*header(file.readline()), 1)
 
 
 def read_text(
     path: Path,
-    chosen: Callable[[list[str]], dict[Name, int]],
+    find: Callable[[Path], Head],
+    chosen: Callable[[Head], dict[Name, int]],
     otherwise: str,
     convert: Callable[[str], float] | None = None,
-) -> tuple[dict[Name, int], Floats]:
-    """Some columns of a text with a header line.
+) -> tuple[Head, dict[Name, int], Floats]:
+    """Some columns of a text with a line of names.
 
     Args:
         path: the file.
-        chosen: from the names in the header, what is to be read -> which column it is; may raise.
+        find: from the file, its head; may raise.
+        chosen: from the head, what is to be read -> which column it is; may raise.
         otherwise: end of the message on a file that is no text.
         convert: a cell to a number, where not every cell is one.
 
     Returns:
-        The chosen names with their columns, and the values [row, choice] in that order.
+        The head, the chosen names with their columns, and the values [row, choice] in that order.
 
     Raises:
         InputError: it is no such text, or holds what is no number.
     """
     try:
-        with path.open(encoding="utf-8-sig") as file:
-            names, delimiter = header(file.readline())
-            places = chosen(names)
-            with warnings.catch_warnings():
-                warnings.filterwarnings("ignore", "loadtxt: input contained no data")
-                data = np.loadtxt(
-                    _rows_as_wide_as(file, len(names), delimiter, path),
-                    delimiter=delimiter,
-                    ndmin=2,
-                    usecols=list(places.values()),
-                    converters=convert,
-                )
+        head = find(path)
+        places = chosen(head)
+        with path.open(encoding="utf-8-sig") as file, warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "loadtxt: input contained no data")
+            data = np.loadtxt(
+                _rows_as_wide_as(itertools.islice(file, head.lines, None), head, path),
+                delimiter=head.delimiter,
+                ndmin=2,
+                usecols=list(places.values()),
+                converters=convert,
+            )
     except UnicodeDecodeError:
         raise InputError(f"{path}: {otherwise}") from None
     except InputError:
         raise
     except ValueError as error:
-        raise InputError(f"{path}: {_cell_that_is_no_number(path, places, convert) or error}") from None
+        raise InputError(f"{path}: {_cell_that_is_no_number(path, head, places, convert) or error}") from None
     if data.size == 0:
         raise InputError(f"{path}: holds no row")
-    return places, data
+    return head, places, data
 
 
-def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Number of the line, and the cells, of each row of a text below its header."""
+def _rows(path: Path, head: Head) -> Iterator[tuple[int, list[str]]]:
+    """Number of the line, and the cells, of each row of a text below its head."""
     with path.open(encoding="utf-8-sig") as file:
-        _, delimiter = header(file.readline())
-        for number, line in enumerate(file, 2):
-            row = line.partition("#")[0].strip()
-            if row:
-                yield number, [cell.strip() for cell in row.split(delimiter)]
+        for number, line in enumerate(itertools.islice(file, head.lines, None), head.lines + 1):
+            row = line.partition("#")[0].strip(BLANKS)
+            if row.strip():
+                yield number, [cell.strip() for cell in row.split(head.delimiter)]
 
 
-def line_of_row(path: Path, row: int) -> int:
-    """Number of the line in which a row of a text stands, rows counted from 0 below the header."""
-    return next(number for count, (number, _) in enumerate(_rows(path)) if count == row)
+BLANKS = " \r\n"
+"""Blanks around a row; a tab stands before an empty cell, or after one."""
 
 
-def _cell_that_is_no_number(path: Path, places: dict[Name, int], convert: Callable[[str], float] | None) -> str:
+def line_of_row(path: Path, row: int, head: Head | None = None) -> int:
+    """Number of the line in which a row of a text stands, rows counted from 0 below the head."""
+    lines = _rows(path, head or first_line(path))
+    return next(number for count, (number, _) in enumerate(lines) if count == row)
+
+
+_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?")
+
+DECIMAL_POINT = "decimal commas are not read: write 0.5, not 0,5"
+
+
+def _cell_that_is_no_number(
+    path: Path, head: Head, places: dict[Name, int], convert: Callable[[str], float] | None
+) -> str:
     """Sentence on the first cell of some columns that is no number, with its line and column; empty if none is."""
-    with path.open(encoding="utf-8-sig") as file:
-        names, _ = header(file.readline())
-    for number, cells in _rows(path):
+    for number, cells in _rows(path, head):
         for place in places.values():
             try:
                 (convert or float)(cells[place])
             except ValueError:
-                return f"line {number}: column {names[place]!r} holds {cells[place]!r}, which is no number"
+                if [cell.strip("\"'") for cell in cells[: len(head.names)]] == head.names:
+                    return f"line {number} repeats the names of the columns; a file holds one record, so cut it there"
+                hint = f"; {DECIMAL_POINT}" if _DECIMAL_COMMA.fullmatch(cells[place]) else ""
+                return f"line {number}: column {head.names[place]!r} holds {cells[place]!r}, which is no number{hint}"
     return ""
 
 
 def header(line: str) -> tuple[list[str], str | None]:
     """Names of the columns, and what stands between them (None: blanks)."""
     line = line.strip().lstrip("#").strip()
-    delimiter = "," if "," in line else None
-    return [name.strip().strip("\"'") for name in line.split(delimiter)], delimiter
+    delimiter = next((mark for mark in (";", ",", "\t") if mark in line), None)
+    names = [name.strip().strip("\"'") for name in line.split(delimiter)]
+    while len(names) > 1 and not names[-1]:  # a delimiter at the end of each line
+        names.pop()
+    return names, delimiter
 
 
-def _rows_as_wide_as(lines: Iterable[str], width: int, delimiter: str | None, path: Path) -> Iterator[str]:
-    """The lines, as long as each has as many columns as the first line names."""
-    for number, line in enumerate(lines, 2):
-        row = line.partition("#")[0].strip()
-        if row and (count := len(row.split(delimiter))) != width:
-            raise InputError(f"{path}: {width} names in the first line, but {count} columns in line {number}")
+def _rows_as_wide_as(lines: Iterable[str], head: Head, path: Path) -> Iterator[str]:
+    """The lines, as long as each has as many columns as there are names; one may end with a delimiter."""
+    width = len(head.names)
+    for number, line in enumerate(lines, head.lines + 1):
+        row = line.partition("#")[0].strip(BLANKS)
+        if not row.strip():
+            continue
+        cells = row.split(head.delimiter)
+        if len(cells) != width and (len(cells) != width + 1 or cells[-1].strip()):
+            where = "the first line" if head.lines == 1 else "the line of names"
+            hint = f"; {DECIMAL_POINT}" if head.delimiter == "," and len(cells) > width else ""
+            raise InputError(f"{path}: {width} names in {where}, but {len(cells)} columns in line {number}{hint}")
         yield line
 
 

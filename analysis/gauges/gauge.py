@@ -28,7 +28,6 @@ from analysis import hermite, motion
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import System, laws, physics
 from lammps_inputs.laws import dashpot
-from lammps_inputs.links import Wall
 
 Kind = Literal["wall", "contact", "sensor"]
 
@@ -104,13 +103,12 @@ def gauges(
         The gauges: at walls, in contacts, inside beads.
     """
     chosen = []
-    for link in physics.walls(system) if wall else ():
-        name, bead = ("right wall", system.beads) if link.side > 0.0 else ("left wall", 1)
-        chosen.append(Gauge("wall", name, bead, (_at_wall(system, link),)))
-    chosen += [Gauge("contact", f"contact {bead}", bead, (_between(system, bead),)) for bead in contacts]
+    for link in system.walls if wall else ():
+        name, bead, place = ("right wall", system.beads, system.beads) if link.side > 0.0 else ("left wall", 1, 0)
+        chosen.append(Gauge("wall", name, bead, (_probe(system, place),)))
+    chosen += [Gauge("contact", f"contact {bead}", bead, (_probe(system, bead),)) for bead in contacts]
     chosen += [
-        Gauge("sensor", f"sensor {bead}", bead, (_between(system, bead - 1), _between(system, bead)))
-        for bead in sensors
+        Gauge("sensor", f"sensor {bead}", bead, (_probe(system, bead - 1), _probe(system, bead))) for bead in sensors
     ]
     return tuple(chosen)
 
@@ -121,48 +119,36 @@ def far_wall(system: System) -> Gauge | None:
     return next((gauge for gauge in gauges(system, wall=True) if gauge.side == side), None)
 
 
-def _at_wall(system: System, link: Wall) -> Probe:
-    right = link.side > 0.0
-    place = system.beads - 1 if right else 0
+def _probe(system: System, place: int) -> Probe:
+    """The contact at a place, from 0 before the first bead of every chain."""
+    chains, beads = np.arange(system.chains), system.beads
+    contacts = list(physics.at_place(system.links, place, beads))
+    dashpots = list(physics.at_place(system.dampers, place, beads))
 
-    def force(strain: Floats, chain: Integers, state: Floats | None) -> Floats:
-        """Total force on the wall, of the strain's shape [chain, ...]."""
-        law = laws.at_state(laws.at(link.law, chain, place), state)
-        return np.asarray(laws.force(law, strain - link.gap) + law.load)
-
-    static = np.broadcast_to(laws.at(link.law, np.arange(system.chains), place).load, system.chains)
-    behind, ahead = (system.beads, 0) if right else (0, 1)
-    loss = _loss(physics.wall_loss(system, link.side), place, link.gap)
-    return Probe(behind, ahead, force, static, loss, system.beads if right else 0)
-
-
-def _between(system: System, bead: int) -> Probe:
     def force(strain: Floats, chain: Integers, state: Floats | None) -> Floats:
         """Total force of the contact, of the strain's shape [chain, ...]."""
-        contact = np.full(chain.shape, bead - 1)
-        overlap = strain - physics.gap(system) + motion.rest_overlap(system, chain, contact)
-        contact_laws = (laws.at_state(laws.at(link.law, chain, contact), state) for link in system.along)
-        return np.asarray(sum(laws.whole_force(law, overlap) for law in contact_laws))
+        laws_at = (
+            (laws.at_state(laws.at(link.law, chain, position), state), link.gap_at(chain, position))
+            for link, position in contacts
+        )
+        return np.asarray(sum(laws.force(law, strain - gap) + law.load for law, gap in laws_at))
 
-    static = np.broadcast_to(motion.static_force(system, Ellipsis, bead - 1), system.chains)
-    loss = _loss(physics.contact_loss(system), bead - 1, physics.gap(system))
-    return Probe(bead, bead + 1, force, static, loss, bead)
+    def loss(strain: Floats, rate: Floats, chain: Integers) -> Floats:
+        """Force of the dashpot, of the strain's shape [chain, ...]; 0 where the contact is open."""
+        (link, position), *_ = dashpots
+        law: Any = laws.at(link.law, chain, position)
+        strain = strain - link.gap_at(chain, position)
+        return np.where(strain + law.rest > TOUCHING, dashpot.damping(law, strain, rate), 0.0)
+
+    static = sum(
+        np.broadcast_to(laws.at(link.law, chains, position).load, system.chains) for link, position in contacts
+    )
+    ahead = place + 1 if place < beads else 0
+    return Probe(place, ahead, force, np.asarray(static), loss if dashpots else None, place)
 
 
 TOUCHING = 1e-12
 """Overlap, in units of L, from which on a dashpot acts: one that is rounding does not close a contact."""
-
-
-def _loss(damper: Any, place: int, gap: float) -> Callable[[Floats, Floats, Integers], Floats] | None:
-    """Function that gives the force of a dashpot; None without a dashpot."""
-
-    def loss(strain: Floats, rate: Floats, chain: Integers) -> Floats:
-        """Force of the dashpot, of the strain's shape [chain, ...]; 0 where the contact is open."""
-        law: Any = laws.at(damper, chain, place)
-        closed = strain - gap + law.rest > TOUCHING
-        return np.where(closed, dashpot.damping(law, strain - gap, rate), 0.0)
-
-    return None if damper is None else loss
 
 
 # --- at frames --------------------------------------------------------------------------------------------------------

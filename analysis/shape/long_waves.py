@@ -123,15 +123,17 @@ def sound_speed(system: System) -> Floats:
 class LoadedSpeed:
     """Speed of pulses of an amplitude in a loaded chain by the long-wave theory.
 
+    With the direction -1 beads are counted from the last.
+
     Attributes:
         sound: [chain, bead] speed of sound, in beads / T.
         rest: [chain, bead] mean overlap at rest, in units of L.
     """
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: System, direction: int = 1) -> None:
         rest = np.broadcast_to(sum(link.law.rest for link in system.along), (system.chains, system.beads - 1))
-        self.sound = sound_speed(system)
-        self.rest = _at_beads(_smooth(rest, _near(system)))
+        self.sound = sound_speed(system)[:, ::direction]
+        self.rest = _at_beads(_smooth(rest, _near(system)))[:, ::direction]
         self._table = _table(physics.exponent(system) or 1.5)
 
     def at(self, chain: int, bead: Integers, peak_velocity: Floats) -> Floats:

@@ -184,7 +184,7 @@ def cell_of(system: System) -> UnitCell:
             for line, partner in ((first, second), (second, first)):
                 row[:, line, line] += stiff[k]
                 row[:, line, partner] -= stiff[k]
-    for spring in physics.ground_springs(system):
+    for spring in system.ground:
         held = np.broadcast_to(laws.stiffness(spring.law, 0.0), (chains, beads))
         row[:, np.arange(chains), np.arange(chains)] += held.T
     columns = np.concatenate([mass, along, row.reshape(beads, -1).T])[:, 1:-1]

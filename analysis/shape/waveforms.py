@@ -235,9 +235,9 @@ class WaveformMeter(Meter[_Watched, "Waveforms"]):
         acceleration, rate = motion.acceleration_and_rate(block, at, chain, near)
         x, v = moments(x, v, acceleration, rate, step[:, np.newaxis])
         kinetic = np.where(exists, 0.5 * physics.mass_of(system, chain, bead) * v * v, 0.0)
-        overlap = x[..., :-1] - x[..., 1:] - physics.gap(system)
+        apart = x[..., :-1] - x[..., 1:]
         contact = chain[:, :-1], np.minimum(bead[:, :-1], problem.beads - 2)
-        energy = sum(laws.energy(laws.at(link.law, *contact), overlap) for link in system.along)
+        energy = sum(laws.energy(laws.at(link.law, *contact), apart - link.gap_at(*contact)) for link in system.along)
         stored = np.where(exists[:, :-1] & exists[:, 1:], energy, 0.0)
         left_out = (place[:, 0] <= 0) & (block.first > 1)  # by a window, or the bead behind, which pushes the first
         return np.where(left_out, np.nan, kinetic.sum(axis=-1) + stored.sum(axis=-1))

@@ -116,7 +116,7 @@ class ChainMeter:
         """
         problem = self.problem
         bead, rows, rigid_rows = np.intersect1d(elastic.bead, rigid.bead, return_indices=True)
-        bead = bead if problem.direction > 0 else bead - 1
+        bead = elastic.pushed(problem.direction)[rows]
         position = along_the_way(problem, bead)
         passed = np.any(elastic.first[:, rows] > 0.0, axis=0) & np.any(rigid.first[:, rigid_rows] > 0.0, axis=0)
         if problem.beads > 2 * FREE_END:

@@ -42,7 +42,7 @@ from analysis.meters import Meter, Part
 from analysis.quantity import declare, result
 from analysis.shape.waveforms import reach
 from analysis.sharing.equipartition import Sharing
-from analysis.trajectory import Floats, Integers, Trajectory
+from analysis.trajectory import Floats, Integers, Trajectory, along_the_way
 from lammps_inputs import Problem, System, laws, physics
 
 MOST_INSTANTS = 500
@@ -199,7 +199,7 @@ UNLOADED = 1e-9
 
 def has_modes(system: System) -> bool:
     """Whether rows have modes whose action can change: linear springs, the same in all rows, some of which vary."""
-    springs = (*system.couplings, *physics.ground_springs(system))
+    springs = (*system.couplings, *system.ground)
     return (
         1 < system.chains <= MOST_CHAINS
         and physics.varying(system)
@@ -223,7 +223,7 @@ def shares_of_action(block: Trajectory, frames: slice) -> Floats:
     action = 0.5 * now.mass * np.sum(v * v + (square[..., None] * x) * x, axis=-1) / omega
     total = np.sum(action, axis=-1, keepdims=True)
     energy = motion.energy(now, displacement, velocity)
-    loaded = sum(link.energy(displacement).sum(axis=(-2, -1)) for link in (*now.along, *physics.walls(now)))
+    loaded = sum(link.energy(displacement).sum(axis=(-2, -1)) for link in (*now.along, *now.walls))
     defined = (loaded <= UNLOADED * energy)[:, None] & (total > 0.0)
     return np.asarray(np.where(defined, action / np.where(defined, total, 1.0), np.nan))
 
@@ -237,7 +237,7 @@ def _stiffness(system: System, frames: int) -> Floats:
         for (first, second), value in zip(link.edges, edges, strict=True):
             stiffness[:, [first, second], [first, second]] += value
             stiffness[:, [first, second], [second, first]] -= value
-    for spring in physics.ground_springs(system):
+    for spring in system.ground:
         held = np.broadcast_to(laws.stiffness(spring.law, 0.0), (frames, system.chains, system.beads))
         stiffness[:, chains, chains] += held[..., 0]
     return stiffness
@@ -273,7 +273,7 @@ class ShareMeter(Meter[tuple[Integers, Floats], EnergyShares]):
     """Energies when leading waves pass beads.
 
     Attributes:
-        problem: what was run, as the leading waves run through it.
+        problem: what was run.
         shared: the leading waves.
     """
 
@@ -314,13 +314,12 @@ class ShareMeter(Meter[tuple[Integers, Floats], EnergyShares]):
         """[instant, chain] beads at which the waves are, by their arrivals; NaN without arrivals."""
         if len(time) == 0:
             return np.zeros((0, self.problem.chains))
-        beads = self.shared.bead[self._defined]
+        beads = along_the_way(self.problem, self.shared.bead[self._defined])
         arrivals = np.maximum.accumulate(self.shared.arrival[self._defined], axis=0)
         return np.array([np.rint(np.interp(time, of_chain, beads)) for of_chain in arrivals.T]).T
 
     def of_part(self, part: Part) -> tuple[Integers, Floats]:
         """Positions of the instants in a part, and `chain`, `wave` and their errors there, [4, instant, chain]."""
-        part = part if part.around.problem.direction > 0 else part.in_mirror
         if not (part.around.forces_known and len(self.place)):
             return np.arange(0), np.zeros((4, 0, self.problem.chains))
         block, entry, before, share_of_time = pairs_in(part, self._time)
@@ -371,7 +370,7 @@ class ShareMeter(Meter[tuple[Integers, Floats], EnergyShares]):
         kinetic = motion.kinetic_energy(system, v, first)
         contacts = motion.contact_energy(system, x, first)
         total = np.sum(kinetic, axis=-1) + np.sum(contacts, axis=-1)
-        for link in (*system.couplings, *system.ground):
+        for link in (*system.couplings, *system.ground, *system.walls):
             link.add_chain_energy(total, link.energy(x, first))
         energies = np.zeros((3, 1 + len(peaks), *total.shape[1:]))
         energies[:, 0] = total

@@ -22,7 +22,7 @@ from analysis.sharing.impulses import Impulses, compared_by_impulses
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import of_one_kind
 from analysis.tracking.undisturbed import CLEAR
-from analysis.trajectory import Flags, Floats, Integers
+from analysis.trajectory import Flags, Floats, Integers, along_the_way
 from lammps_inputs import Problem, System, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
@@ -101,7 +101,7 @@ class Sharing:
 
     Attributes:
         kicked: position of the chain with the largest excitation.
-        bead: [place], counted from 1, ascending.
+        bead: [place], counted from 1 along the way of the leading waves, ascending.
         arrival: [place, chain], in units of T; NaN where it is undefined.
         amplitude: [place, chain] peak velocity, or impulse of the first contact over the mass, in units of V.
         energy: input by kicks, pushes and drives, in units of m V**2; NaN where that is not known.
@@ -118,7 +118,7 @@ class Sharing:
     amplitude_error: Floats | None = None
     exact: SolitaryWave = field(default_factory=solitary_wave)
     loaded: LoadedSpeed | None = None
-    """Speed of waves on a static load; None without one."""
+    """Speed of waves on a static load, at beads counted along their way; None without one."""
     changing: str = ""
     """Reason why amplitudes have no limit; empty where they may have one."""
     of_impulses: bool = False
@@ -395,7 +395,7 @@ _AT_PLACES = ("bead", "arrival", "amplitude", "arrival_error", "amplitude_error"
 
 
 def sharing(waves: Waves, problem: Problem, impulses: Impulses | None = None) -> Sharing:
-    """The leading waves of a run side by side; those that run towards higher numbers, ahead of the kicked bead.
+    """The leading waves of a run side by side, ahead of the kicked bead.
 
     Args:
         waves: leading waves.
@@ -404,9 +404,9 @@ def sharing(waves: Waves, problem: Problem, impulses: Impulses | None = None) ->
     """
     system = problem.system
     kicked, kicked_bead, _ = physics.largest_excitation(system)
-    beads = problem.rows.numbers
-    place = {int(bead): k for k, bead in enumerate(beads)}
-    rows = np.array([place[int(bead)] for bead in waves.bead], dtype=np.int64)
+    numbers = problem.rows.numbers[:: problem.direction]
+    beads = along_the_way(problem, numbers)
+    rows = np.searchsorted(beads, along_the_way(problem, waves.bead))
 
     def side_by_side(values: Floats) -> Floats:
         """Table [place, chain] of values [wave]; NaN in chains that do not count."""
@@ -421,8 +421,8 @@ def sharing(waves: Waves, problem: Problem, impulses: Impulses | None = None) ->
         apart[physics.tied_to(system, kicked - 1)] = False
     clear = np.ones(len(beads), dtype=bool)
     clear = np.all(np.isfinite(side_by_side(waves.peak_velocity)[:, ~apart]), axis=1)
-    clear &= (beads > kicked_bead) & (beads <= problem.beads - CLEAR)
-    clear &= of_one_kind(problem)[beads - 1]
+    clear &= (beads > along_the_way(problem, kicked_bead)) & (beads <= problem.beads - CLEAR)
+    clear &= of_one_kind(problem)[numbers - 1]
     shared = Sharing(
         kicked - 1,
         beads[clear],
@@ -432,26 +432,27 @@ def sharing(waves: Waves, problem: Problem, impulses: Impulses | None = None) ->
         side_by_side(waves.arrival_error),
         side_by_side(waves.peak_velocity_error),
         wave_of(system),
-        LoadedSpeed(system) if physics.loaded(system) else None,
+        LoadedSpeed(system, problem.direction) if physics.loaded(system) else None,
         pulse=side_by_side(waves.pulse.astype(np.float64)),
     )
     if impulses is not None:
         shared = _with_impulses(shared, impulses, problem)
-    return replace(shared, changing=_changing(shared.followed, system))
+    return replace(shared, changing=_changing(shared.followed, problem))
 
 
 def _with_impulses(shared: Sharing, impulses: Impulses, problem: Problem) -> Sharing:
     """Waves with the impulses of first contacts as amplitudes; 0 where a bead received none."""
     mass = np.broadcast_to(problem.system.mass, (problem.chains, problem.beads))
-    table = np.full((problem.beads + 1, problem.chains), np.nan)
-    table[impulses.bead] = (impulses.first / mass[:, impulses.bead - 1]).T
+    table, bead = np.full((problem.beads + 1, problem.chains), np.nan), impulses.pushed(problem.direction)
+    table[along_the_way(problem, bead)] = (impulses.first / mass[:, bead - 1]).T
     amplitude = np.where(np.isfinite(shared.amplitude), table[shared.bead], np.nan)
     error = np.full_like(amplitude, impulses.imbalance)
     return replace(shared, amplitude=amplitude, amplitude_error=error, of_impulses=True)
 
 
-def _changing(shared: Sharing, system: System) -> str:
+def _changing(shared: Sharing, problem: Problem) -> str:
     """Reason why amplitudes have no limit; empty where they may have one."""
+    system = problem.system
     if not system.holds(Fact.PULSE):
         return "no pulse keeps its shape"
     if dissipates(system):
@@ -460,14 +461,15 @@ def _changing(shared: Sharing, system: System) -> str:
         return ""
     tied, period = physics.tied_to(system, shared.kicked), period_of(system)
     first, last = int(shared.bead[shared.tail]), int(shared.bead[-1])
-    if not all(repeats_between(system, chain, first - CLEAR, last + CLEAR, period) for chain in tied):
+    low, high = sorted(along_the_way(problem, bead) for bead in (first, last))
+    if not all(repeats_between(system, chain, low - CLEAR, high + CLEAR, period) for chain in tied):
         return "beads, contacts or loads differ along the chain"
     alone = shared.of_tied(shared.amplitude).shape[1] == 1
     if alone or np.max(shared.mismatch[shared.tail :]) < AGREEMENT:
         return ""
     if unlike(system, shared.kicked):
         return "chains of unlike beads are coupled"
-    if last_springs(system, shared.kicked) < first:
+    if last_springs(problem, shared.kicked) < first:
         return "the chains are not coupled there"
     if not resolved(shared, system):
         return "recorded beads are too far apart to show beats"
@@ -481,9 +483,10 @@ def unlike(system: System, kicked: int) -> bool:
     return any(table.ndim == 2 and bool(np.any(np.ptp(table[tied], axis=0))) for table in tables)
 
 
-def last_springs(system: System, kicked: int) -> int:
-    """Last row in which springs tie the kicked chain, from 0, and others to each other; 0 without any."""
-    tied, rows = physics.tied_to(system, kicked), np.arange(1, system.beads + 1)
+def last_springs(problem: Problem, kicked: int) -> int:
+    """Last row along the way in which springs tie the kicked chain, from 0, and others to each other; 0 without any."""
+    system = problem.system
+    tied, rows = physics.tied_to(system, kicked), along_the_way(problem, np.arange(1, system.beads + 1))
     last = 0
     for link in system.couplings:
         edges = [edge for edge, (chain, _) in enumerate(link.edges) if chain in tied]

@@ -10,7 +10,7 @@ from analysis.shape.waveforms import REACH
 from analysis.sharing.equipartition import dissipates
 from analysis.tracking.pulses import CONSTANT_OVER, Pulse
 from analysis.tracking.undisturbed import CLEAR
-from analysis.trajectory import Flags, mirrored_bead
+from analysis.trajectory import Flags, along_the_way
 from lammps_inputs import Problem, laws, physics
 
 UNSEEN = "the passage is not recorded completely"
@@ -130,7 +130,7 @@ def measured_at(pulse: Pulse, problem: Problem, last_time: float, clear: Flags) 
         last_time: time of the last frame, in units of T.
         clear: [passage] whether it is clear of the ends (`analysis.tracking.undisturbed`).
     """
-    position = pulse.bead if pulse.direction > 0 else mirrored_bead(problem, pulse.bead)
+    position = along_the_way(problem, pulse.bead, pulse.direction)
     with np.errstate(divide="ignore", invalid="ignore"):
         watched = np.ceil(REACH / wave_of(problem.system).speed_at(pulse.peak_velocity) / problem.every) + 1.0
         over = pulse.arrival + watched * problem.every

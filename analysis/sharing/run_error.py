@@ -121,7 +121,7 @@ def with_run_error(of_frames: Survey, error: MeasuredError) -> Survey:
         return of_frames
     survey = of_frames.completed()
     shared, pulses = _of_shared(survey.shared, error), tuple(_of_pulse(pulse, survey, error) for pulse in survey.pulses)
-    decay = fit_decay(shared.followed, survey.along)
+    decay = fit_decay(shared.followed, survey.problem)
     waves = _of_waves(survey, error)
     return survey.replaced(
         passages=waves,
@@ -133,7 +133,7 @@ def with_run_error(of_frames: Survey, error: MeasuredError) -> Survey:
         shared=shared,
         energies=_of_energies(survey.energies, shared, error),
         decay=decay,
-        verdict=numbered(verdict_on(shared.followed, survey.along, decay), survey.direction),
+        verdict=numbered(verdict_on(shared.followed, survey.problem, decay), survey.direction),
     )
 
 

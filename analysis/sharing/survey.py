@@ -30,7 +30,6 @@ from analysis.tracking.leading_waves import (
     beyond_kicks,
     lags,
     leading_waves,
-    mirrored_waves,
     of_pulses,
     opposed,
     speeds_of_pulses,
@@ -40,15 +39,7 @@ from analysis.tracking.peaks import PeakMeter, Peaks
 from analysis.tracking.pulses import Pulse, Train, ahead_of_sound, track_pulses, train_of
 from analysis.tracking.succession import Change, changes
 from analysis.tracking.undisturbed import CLEAR, clear_of_ends, clear_of_others, once_each, returns
-from analysis.trajectory import (
-    Flags,
-    Floats,
-    Integers,
-    Trajectory,
-    along_the_way,
-    mirrored_bead,
-    mirrored_problem,
-)
+from analysis.trajectory import Flags, Floats, Integers, Trajectory, along_the_way
 from lammps_inputs import Problem, physics
 
 MAX_PASSAGES = 4000
@@ -103,11 +94,6 @@ class Survey:
         return self.problem.direction
 
     @cached_property
-    def along(self) -> Problem:
-        """The problem as the leading waves run through it: mirrored, where they run towards bead 1."""
-        return self.problem if self.direction > 0 else mirrored_problem(self.problem)
-
-    @cached_property
     def peaks_upwards(self) -> Peaks:
         """Peaks of the waves towards higher bead numbers."""
         peaks_upwards: Peaks = self._read_alone("peaks_upwards")
@@ -121,7 +107,7 @@ class Survey:
 
     @cached_property
     def impulses(self) -> Impulses | None:
-        """Impulses along the way of the leading waves; None where chains are not compared by them."""
+        """Impulses of contacts; None where chains are not compared by them."""
         impulses: Impulses | None = self._read_alone("impulses")
         return impulses
 
@@ -178,20 +164,18 @@ class Survey:
     @cached_property
     def shared(self) -> Sharing:
         """Leading waves of all chains at the same beads, counted along their way, with the energy input of the run."""
-        along = self.along
-        counted = self.passages if along is self.problem else mirrored_waves(self.passages, self.problem)
-        shared = sharing(counted, along, self.impulses)
+        shared = sharing(self.passages, self.problem, self.impulses)
         return replace(shared, energy=self.end.energy) if physics.acted_on(self.problem.system) else shared
 
     @cached_property
     def decay(self) -> DecayFit | None:
         """Law of the pulse that leads at the last bead (``shared.followed``)."""
-        return fit_decay(self.shared.followed, self.along)
+        return fit_decay(self.shared.followed, self.problem)
 
     @cached_property
     def verdict(self) -> Verdict:
         """Verdict on the pulse that leads at the last bead (``shared.followed``)."""
-        return numbered(verdict_on(self.shared.followed, self.along, self.decay), self.direction)
+        return numbered(verdict_on(self.shared.followed, self.problem, self.decay), self.direction)
 
     @cached_property
     def _distinct(self) -> tuple[tuple[Pulse, ...], tuple[Pulse, ...]]:
@@ -264,12 +248,12 @@ class Survey:
         return self._of_waves_alone(self._share_meter().read(self.read()))
 
     def _share_meter(self) -> ShareMeter:
-        return ShareMeter(self.along, self.shared)
+        return ShareMeter(self.problem, self.shared)
 
     def _of_waves_alone(self, energies: EnergyShares) -> EnergyShares:
         """Energies of waves where no other pulse is near."""
         bead = self.shared.bead[energies.place]
-        mixed = _of_others(bead, self.waves, self.pulses, self.problem, self.direction)
+        mixed = _of_others(along_the_way(self.problem, bead), self.waves, self.pulses, self.problem)
         wave, error = (np.where(mixed, np.nan, values) for values in (energies.wave, energies.wave_error))
         return replace(energies, wave=wave, wave_error=error)
 
@@ -378,8 +362,7 @@ def surveyed(
         read, problem, tolerances, arrival: as for `survey`.
         meters: what else to measure in the first reading.
         counted: gives the frames of the first reading their exchange (`analysis.trajectory.EXCHANGES`).
-        impulses: of rigid beads, along the way of the leading waves; else they are measured where chains are compared
-            by them.
+        impulses: of rigid beads; else they are measured where chains are compared by them.
 
     Raises:
         ValueError: there was no frame.
@@ -418,9 +401,8 @@ def _of_one_pulse(shapes: Shape, passages: Passages, pulses: tuple[Pulse, ...], 
     return replace(shapes, energy=energy, energy_error=error)
 
 
-def _of_others(bead: Integers, waves: Waves, pulses: tuple[Pulse, ...], problem: Problem, direction: int) -> Flags:
-    """[bead, chain] whether another pulse is near a leading wave, at beads counted along its way."""
-    bead = bead if direction > 0 else mirrored_bead(problem, bead)
+def _of_others(bead: Integers, waves: Waves, pulses: tuple[Pulse, ...], problem: Problem) -> Flags:
+    """[bead, chain] whether another pulse is near a leading wave."""
     time = np.full((problem.beads + 1, problem.chains), np.nan)
     time[waves.bead, waves.chain - 1] = waves.time
     apart = reach(problem) + HALF

@@ -29,6 +29,7 @@ from analysis.sharing.equipartition import (
 )
 from analysis.sharing.impulses import compared_by_impulses
 from analysis.tracking.undisturbed import CLEAR
+from analysis.trajectory import along_the_way
 from lammps_inputs import Problem, laws, physics
 from lammps_inputs.facts import Fact
 
@@ -103,7 +104,7 @@ def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
         or shared.of_impulses
     ):
         return None
-    chain, kicked_bead = shared.kicked, physics.excitations(system)[0][1]
+    chain, kicked_bead = shared.kicked, along_the_way(problem, physics.excitations(system)[0][1])
     springs = stiffness_of_springs(problem, chain)
     if not springs:
         return None
@@ -219,7 +220,7 @@ def _of_waves(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verd
     if len(shared) == 0:
         last = problem.beads - CLEAR
         text = f"no bead between the kick and bead {last} was passed in every chain, "
-        if last <= physics.largest_excitation(problem.system)[1]:
+        if last <= along_the_way(problem, physics.largest_excitation(problem.system)[1]):
             text = f"no bead beyond the kick lies {CLEAR} beads before the end of the chains, "
         return _too_short(f"{text}so amplitudes cannot be compared", _by_rule(problem, 0), None)
     last, differ = int(shared.bead[-1]), f"{shared.compared} differ by {shared.mismatch[-1]:.1%}"
@@ -240,7 +241,7 @@ def _of_waves(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verd
             f"from bead {in_step} on (observed to bead {last})"
         )
         return _verdict(EquipartitionState.EQUAL, text, max(level, in_step))
-    if (end := last_springs(problem.system, shared.kicked)) + CLEAR < last:
+    if (end := last_springs(problem, shared.kicked)) + CLEAR < last:
         text = f"{EquipartitionState.ALONE.value} beyond row {end}, where springs end; at bead {last} {differ}"
         return Verdict(EquipartitionState.ALONE, text)
     beat = shared.beat_length
@@ -312,7 +313,7 @@ def _by_rule(problem: Problem, last: int) -> Estimate | None:
         return None
     least = 0.003 if problem.chains == 2 else 0.01
     (chain, bead, _), *more = physics.excitations(system)
-    outer = not more and chain in (1, problem.chains) and bead == 1
+    outer = not more and chain in (1, problem.chains) and along_the_way(problem, bead) == 1
     measured = (
         outer
         and physics.alike(system)

@@ -19,9 +19,8 @@ import numpy as np
 
 from analysis import hermite, motion
 from analysis.trajectory import Flags, Floats, Integers, Trajectory
-from lammps_inputs import Problem, laws, physics
+from lammps_inputs import laws, physics
 from lammps_inputs.laws import dashpot
-from lammps_inputs.links import Across, partners
 
 Forces = Iterator[tuple[float, Floats]]
 
@@ -58,56 +57,33 @@ def _passed_on(block: Trajectory, start: Integers, chain: Integers, bead: Intege
     """Errors as in `kinks` by what begins at beads and their neighbours, through the dashpots and springs of a bead."""
     mass = physics.mass_of(block.problem.system, chain, block.first - 1 + bead)
     off, at_bead = np.zeros((2, len(start))), [_begun(block, start, chain, bead, more) for more in (1, 2)]
-    for line, other, resistance, stiffness in _beside_bead(block, start, chain, bead):
-        for more, factor in ((1, resistance), (2, stiffness)):
-            if np.any(factor):
-                at_other = _begun(block, start, line, other, more)
-                off += factor * block.spacing**more / mass * (at_bead[more - 1] + at_other)
+    for line, other, more, slope in _beside_bead(block, start, chain, bead):
+        if np.any(slope):
+            at_other = _begun(block, start, line, other, more)
+            off += slope * block.spacing**more / mass * (at_bead[more - 1] + at_other)
     return off
 
 
 def _beside_bead(
     block: Trajectory, start: Integers, chain: Integers, bead: Integers
-) -> Iterator[tuple[Integers, Integers, Floats, Floats]]:
-    """Chain and position of a neighbour, and resistance and stiffness of the link with it, each [bead]; 0 where none.
+) -> Iterator[tuple[Integers, Integers, int, Floats]]:
+    """Chain and position of a neighbour, 1 for resistance or 2 for stiffness of a link with it, and that, [bead].
 
     The neighbour of a bead at a wall is the bead itself.
     """
-    problem, place = block.problem, block.first - 1 + bead
-    system = problem.system
+    system = block.problem.system
     at = np.stack([start, np.minimum(start + 1, block.frames - 1)])
     x = block.displacement[at, chain, bead]
-
-    def link(exists: Flags, law: Any, loss: Any, index: Any, strain: Floats) -> tuple[Floats, Floats]:
-        """Largest resistance and stiffness at both frames, [passage], 0 without a link; ``index`` is of its dashpot."""
-        resisted = np.zeros_like(strain) if loss is None else dashpot.resistance(laws.at(loss, *index), strain)
-        both = resisted, laws.stiffness(law, strain)
-        first, second = (np.where(exists, np.abs(values).max(axis=0), 0.0) for values in both)
-        return first, second
-
-    for side in (-1, 1):
-        has_contact = (bead + side >= 0) & (bead + side < block.velocity.shape[2])
-        other = np.where(has_contact, bead + side, bead)
-        contact = np.clip(np.minimum(place, place + side), 0, problem.beads - 2)
-        strain = side * (x - block.displacement[at, chain, other]) - physics.gap(system)
-        law = block.law(system.along[0], at, chain, contact)
-        yield chain, other, *link(has_contact, law, physics.contact_loss(system), (chain, contact), strain)
-    for wall in physics.walls(system):
-        law = block.law(wall, at, chain, place)
-        has_contact = place == (problem.beads - 1 if wall.side > 0.0 else 0)
-        loss = physics.wall_loss(system, wall.side)
-        yield chain, bead, *link(has_contact, law, loss, (chain, place), wall.strain(x))
-    none, dampers = np.zeros(len(bead)), [link for link in system.dampers if isinstance(link, Across)]
-    for across in (*system.couplings, *(link for link in dampers if not system.is_tie(link))):
-        for side in (-1, 1):
-            for edge, partner in partners(across.edges, system.chains, side):
-                law, strain = laws.at(across.law, edge[chain], place), x - block.displacement[at, partner[chain], bead]
-                exists = edge[chain] >= 0
-                if any(across is damper for damper in dampers):
-                    yield partner[chain], bead, np.where(exists, dashpot.resistance(law, none), 0.0), none
-                else:
-                    stiffness = np.abs(laws.stiffness(law, strain)).max(axis=0)
-                    yield partner[chain], bead, none, np.where(exists, stiffness, 0.0)
+    slopes: list[tuple[int, Any, Any]] = [(1, system.dampers, dashpot.resistance), (2, system.links, laws.stiffness)]
+    for order, links, slope_of in slopes:
+        for link in links:
+            if link.kind == "ground" or system.is_tie(link):
+                continue
+            for near in link.of_beads(chain, bead, block.displacement.shape[1:]):
+                index = near.line, block.first - 1 + near.place
+                strain = near.apart(x, block.displacement, at) - link.gap_at(*index)
+                slope = np.abs(slope_of(block.law(link, at, *index), strain)).max(axis=0)
+                yield *(near.other or (chain, bead)), order, np.where(near.exists, slope, 0.0)
 
 
 def _begun(block: Trajectory, start: Integers, chain: Integers, bead: Integers, integrations: int = 0) -> Floats:
@@ -129,29 +105,21 @@ def _begun(block: Trajectory, start: Integers, chain: Integers, bead: Integers, 
         """Acceleration of beads at positions [bead], [frame, bead]."""
         return motion.acceleration_and_rate(block, at, chain, position)[0]
 
-    for side in (-1, 1):
-        has_contact = (bead + side >= 0) & (bead + side < block.velocity.shape[2])
-        other, contact = np.where(has_contact, bead + side, bead), np.minimum(place, place + side)
-        overlap = side * (x - block.displacement[at, chain, other]) - physics.gap(system)
-        overlap += motion.rest_overlap(system, chain, contact)
-        closing = side * (v - block.velocity[at, chain, other])
-        contact = np.clip(contact, 0, problem.beads - 2)
-        forces = partial(_of_contacts, problem, chain, contact)
-        law = block.law(system.along[0], at, chain, contact)
-        off += np.where(has_contact, _pressing(law, forces, integrations, overlap, closing, block.spacing), 0.0)
-        if loss := _cutting(physics.contact_loss(system), chain, contact):
-            states = np.stack([overlap, closing, side * (acceleration(bead) - acceleration(other))])
-            off += np.where(has_contact, _cut(law, loss, states, block.spacing, integrations), 0.0)
-    for wall in physics.walls(system):
-        law = block.law(wall, at, chain, place)
-        has_contact = place == (problem.beads - 1 if wall.side > 0.0 else 0)
-        overlap, closing = wall.strain(x) + law.rest, wall.rate(v)
-        forces = partial(_of_wall, law, physics.wall_loss(system, wall.side), chain, place)
-        off += np.where(has_contact, _pressing(law, forces, integrations, overlap, closing, block.spacing), 0.0)
-        if loss := _cutting(physics.wall_loss(system, wall.side), chain, place):
-            states = np.stack([overlap, closing, wall.rate(acceleration(bead))])
-            off += np.where(has_contact, _cut(law, loss, states, block.spacing, integrations), 0.0)
-    for ground in physics.ground_springs(system):
+    for link in (*system.along, *system.walls):
+        damper = physics.loss_beside(system, link)
+        for near in link.of_beads(chain, bead, block.displacement.shape[1:]):
+            index = near.line, block.first - 1 + near.place
+            law, loss = block.law(link, at, *index), None if damper is None else laws.at(damper, *index)
+            overlap = near.apart(x, block.displacement, at) - link.gap_at(*index) + law.rest
+            closing = near.apart(v, block.velocity, at)
+            forces = partial(_of_contacts, law, loss)
+            pressing = _pressing(law, forces, integrations, overlap, closing, block.spacing)
+            off += np.where(near.exists, pressing, 0.0)
+            if loss is not None and dashpot.cut(loss):
+                quickening = acceleration(bead) - (0.0 if near.other is None else acceleration(near.other[1]))
+                states = np.stack([overlap, closing, near.sign * quickening])
+                off += np.where(near.exists, _cut(law, loss, states, block.spacing, integrations), 0.0)
+    for ground in system.ground:
         if ground.law.varies and not integrations:
             off += _bent(laws.at(ground.law, chain, place), np.abs(x).max(axis=0), block.time[at])
     return np.asarray(off / physics.mass_of(system, chain, place))
@@ -160,11 +128,6 @@ def _begun(block: Trajectory, start: Integers, chain: Integers, bead: Integers, 
 def _pressing(law: Any, forces: Callable[[Floats, Floats], Forces], integrations: int, *motions: Any) -> Floats:
     """Errors as in `_begun` by contacts that open or close, those that yield included."""
     return _by_yielding(law, *motions) if laws.has_state(law) else _by(forces, integrations, *motions)
-
-
-def _cutting(loss: Any, *index: Any) -> Any:
-    """The law of chosen dashpots where they cut tension, else None."""
-    return laws.at(loss, *index) if loss is not None and dashpot.cut(loss) else None
 
 
 def _bent(law: Any, strain: Floats, time: Floats) -> Floats:
@@ -250,21 +213,12 @@ def _of_unloading(law: Any, overlap: Floats, _rate: Floats) -> Forces:
         yield round(float(np.log2(large / small)), 2), laws.whole_force(law, begins + overlap)[1]
 
 
-def _of_contacts(problem: Problem, chain: Integers, contact: Integers, overlap: Floats, rate: Floats) -> Forces:
+def _of_contacts(law: Any, loss: Any, overlap: Floats, rate: Floats) -> Forces:
     """Exponent in time with which each force of contacts begins, and the force at this overlap and rate, [bead]."""
-    system = problem.system
-    yield physics.exponent(system) or 1.5, motion.contact_force(system, overlap, chain, contact)
-    loss: Any = physics.contact_loss(system)
+    power = law.exponent if np.ndim(law.exponent) == 0 else None
+    yield power or 1.5, laws.whole_force(law, overlap)
     if loss is not None:
-        yield _of_dashpot(replace(laws.at(loss, chain, contact), rest=0.0), overlap, rate)
-
-
-def _of_wall(law: Any, loss: Any, chain: Integers, bead: Integers, overlap: Floats, rate: Floats) -> Forces:
-    """Exponent in time with which each force of a wall begins, and the force at this overlap and rate, [bead]."""
-    power = law.exponent
-    yield power or 1.5, laws.whole_force(law, overlap) if power is None else law.strength * overlap**power
-    if loss is not None:
-        yield _of_dashpot(replace(laws.at(loss, chain, bead), rest=0.0), overlap, rate)
+        yield _of_dashpot(replace(loss, rest=0.0), overlap, rate)
 
 
 def _of_dashpot(law: Any, overlap: Floats, rate: Floats) -> tuple[float, Floats]:

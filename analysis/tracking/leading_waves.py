@@ -26,7 +26,7 @@ from analysis.quantity import declare, declared, in_units, result
 from analysis.tracking.peaks import PeakMeter, Peaks
 from analysis.tracking.pulses import Pulse, local_speed, local_speed_error, track_pulses
 from analysis.tracking.succession import Change, changes, numbers
-from analysis.trajectory import Flags, Floats, Integers, mirrored_bead
+from analysis.trajectory import Flags, Floats, Integers
 from lammps_inputs import Problem, physics
 from lammps_inputs.units import Scale
 
@@ -283,12 +283,6 @@ def lags(waves: Waves, chain: int) -> Lags:
     error = np.where(waves.chain == chain, 0.0, waves.arrival_error + of_reference[1])
     value = waves.arrival - of_reference[0]
     return Lags(value, np.where(np.isnan(value), np.nan, error))
-
-
-def mirrored_waves(waves: Waves, problem: Problem) -> Waves:
-    """Waves with beads numbered in the mirror; mirrored twice, the waves themselves."""
-    bead = mirrored_bead(problem, waves.bead)
-    return replace(waves, bead=bead).where(np.lexsort((bead, waves.chain)))
 
 
 def opposed(problem: Problem) -> bool:

@@ -34,8 +34,7 @@ from analysis.tracking.peak_bounds import (
     places_of,
     quickness_of,
 )
-from analysis.trajectory import Flags, Floats, Integers, Trajectory, mirrored_bead
-from lammps_inputs import Problem
+from analysis.trajectory import Flags, Floats, Integers, Trajectory
 
 THRESHOLD = 1e-3
 """Smallest maximum that counts as a pulse, in units of V."""
@@ -89,13 +88,6 @@ wave has 0.66). Such a velocity reaches a level and stays: the time of its maxim
 def sharp(peaks: Peaks) -> Flags:
     """Mask, [maximum], of passages of defined time: all but those of beads that fly freely, as far as that is known."""
     return ~(peaks.overlap < FREE * peaks.velocity**0.8)
-
-
-def in_mirror(peaks: Peaks, problem: Problem) -> Peaks:
-    """Maxima with beads and direction as in the mirror; mirrored twice, the maxima themselves."""
-    bead = mirrored_bead(problem, peaks.bead)
-    order = np.lexsort((peaks.time, bead, peaks.chain))
-    return replace(peaks, bead=bead, direction=-peaks.direction).where(order)
 
 
 Places = tuple[Integers, Integers, Integers]

@@ -2,8 +2,7 @@
 
 A maximum of a bead's velocity is a passage; it belongs to the pulse whose speed brings it there at that time. A maximum
 without contact pressure, such as that of a bead that oscillates on its spring, is no passage. Where beads differ by
-turns, a pulse is followed on those of one kind, whose maxima can be compared. Pulses that run towards lower
-numbers are found in the mirror (`analysis.trajectory.mirrored`).
+turns, a pulse is followed on those of one kind, whose maxima can be compared.
 
 Under a static load sound has crests, too, without number. A pulse is what runs ahead of sound, by as much as the
 solitary wave of its amplitude would (`ahead_of_sound`): sound of any wavelength is slower than that of long waves, and
@@ -22,8 +21,8 @@ from analysis.columns import Columns
 from analysis.quantity import declare, derived, result
 from analysis.shape.exact_wave import SolitaryWave, solitary_wave, wave_of
 from analysis.shape.long_waves import LoadedSpeed
-from analysis.tracking.peaks import Peaks, in_mirror
-from analysis.trajectory import Flags, Floats, Integers, mirrored_bead, mirrored_problem
+from analysis.tracking.peaks import Peaks
+from analysis.trajectory import Flags, Floats, Integers
 from lammps_inputs import Problem, physics
 
 SMALLEST = 0.02
@@ -104,16 +103,11 @@ def track_pulses(peaks: Peaks, problem: Problem, *, smallest: float = SMALLEST) 
         problem: what was run.
         smallest: largest velocity that a pulse must reach, in units of V; a quarter of it continues one.
     """
-    direction = peaks.direction
-    if direction < 0:
-        peaks = in_mirror(peaks, problem)
-    like = problem.rows.numbers[of_one_kind(problem)[problem.rows.numbers - 1]]
-    if len(like) == 0:
-        like = problem.rows.numbers
-    beads = like if direction > 0 else mirrored_bead(problem, like)[::-1]
+    beads = problem.rows.numbers[of_one_kind(problem)[problem.rows.numbers - 1]]
+    if len(beads) == 0:
+        beads = problem.rows.numbers
     least = max(2, min(LEAST_BEADS, len(beads)))
-    exact = wave_of(problem.system)
-    speed_at = speed_of_pulses(problem if direction > 0 else mirrored_problem(problem))
+    exact, speed_at = wave_of(problem.system), speed_of_pulses(problem)
     pressed = PRESSED * exact.overlap(0.5) * peaks.velocity ** (2.0 / (exact.exponent + 1.0))
     passages = peaks.where((peaks.velocity > 0.25 * smallest) & ~(peaks.overlap < pressed) & np.isin(peaks.bead, beads))
     pulses = []
@@ -122,10 +116,10 @@ def track_pulses(peaks: Peaks, problem: Problem, *, smallest: float = SMALLEST) 
         for track in _linked(in_chain, beads, partial(speed_at, int(chain))):
             if len(track) >= least and np.max(in_chain.velocity[track]) >= smallest:
                 tracked = in_chain.where(track)
-                bead = tracked.bead if direction > 0 else mirrored_bead(problem, tracked.bead)
-                speed, error = local_speed(tracked.bead, tracked.time), tracked.time_error
-                errors = error, tracked.velocity_error, local_speed_error(tracked.bead, tracked.time, error)
-                pulses.append(Pulse(int(chain), direction, bead, tracked.time, tracked.velocity, speed, *errors))
+                bead, time, error = tracked.bead, tracked.time, tracked.time_error
+                speed = peaks.direction * local_speed(bead, time)
+                errors = error, tracked.velocity_error, local_speed_error(bead, time, error)
+                pulses.append(Pulse(int(chain), peaks.direction, bead, time, tracked.velocity, speed, *errors))
     return tuple(sorted(pulses, key=lambda pulse: (pulse.chain, pulse.arrival[0])))
 
 
@@ -222,12 +216,13 @@ class _Track:
 
 
 def _linked(peaks: Peaks, beads: Integers, speed_at: Callable[[Integers, Floats], Floats]) -> Iterator[list[int]]:
-    """Positions in the table of the passages of one chain, pulse by pulse. Beads are taken in ascending order."""
+    """Positions in the table of the passages of one chain, pulse by pulse; beads ascend, whichever way these run."""
     starts = np.searchsorted(peaks.bead, beads)
     ends = np.searchsorted(peaks.bead, beads, side="right")
     place = np.searchsorted(beads, peaks.bead)
     open_tracks: list[_Track] = []
-    for number, (start, end) in enumerate(zip(starts, ends, strict=True)):
+    for number in range(len(beads))[:: peaks.direction]:
+        start, end = starts[number], ends[number]
         taken: set[int] = set()
         if start < end and open_tracks:
             last = np.array([track.passages[-1] for track in open_tracks])
@@ -235,7 +230,7 @@ def _linked(peaks: Peaks, beads: Integers, speed_at: Callable[[Integers, Floats]
             bound = np.array([[track.bound] for track in open_tracks])
             candidates = np.arange(start, end)
             amplitude = np.sqrt(peaks.velocity[last][:, np.newaxis] * peaks.velocity[candidates])
-            distance = (beads[number] - peaks.bead[last])[:, np.newaxis]
+            distance = np.abs(beads[number] - peaks.bead[last])[:, np.newaxis]
             delay = (
                 (peaks.time[candidates] - peaks.time[last][:, np.newaxis])
                 * speed_at(peaks.bead[candidates], amplitude)
@@ -253,7 +248,7 @@ def _linked(peaks: Peaks, beads: Integers, speed_at: Callable[[Integers, Floats]
                 track.bound = UNSTEADIEST
                 taken.add(column)
         open_tracks += [_Track([k]) for k in range(int(start), int(end)) if k - start not in taken]
-        for track in [track for track in open_tracks if number - place[track.passages[-1]] > LONGEST_GAP]:
+        for track in [track for track in open_tracks if abs(number - place[track.passages[-1]]) > LONGEST_GAP]:
             open_tracks.remove(track)
             yield track.passages
     for track in open_tracks:

@@ -11,14 +11,14 @@ nearer in amplitude.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
-from analysis.tracking.peaks import Peaks, in_mirror, sharp
+from analysis.tracking.peaks import Peaks, sharp
 from analysis.tracking.pulses import EARLIEST, LATEST, of_one_kind, speed_of_pulses
-from analysis.trajectory import Flags, Floats, Integers, mirrored_bead, mirrored_problem
+from analysis.trajectory import Flags, Floats, Integers
 from lammps_inputs import Problem, physics
 
 
@@ -53,12 +53,6 @@ def changes(peaks: Peaks, problem: Problem) -> tuple[Change, ...]:
     """
     if physics.gap(problem.system) > 0.0:
         return ()
-    if peaks.direction < 0:
-        turned = changes(in_mirror(peaks, problem), mirrored_problem(problem))
-        return tuple(
-            replace(change, last=mirrored_bead(problem, change.last), first=mirrored_bead(problem, change.first))
-            for change in turned
-        )
     alike = peaks.where(of_one_kind(problem)[peaks.bead - 1])
     speed = speed_of_pulses(problem)
     ends: list[Change] = []
@@ -98,11 +92,12 @@ def _in_chain(peaks: Peaks, speed_at: Callable[[Integers, Floats], Floats]) -> l
     """Changes in one chain, from maxima at beads of one kind."""
     first = np.flatnonzero(np.diff(peaks.bead, prepend=0))
     end = np.append(first[1:], len(peaks))
+    first, end = first[:: peaks.direction], end[:: peaks.direction]
 
     def delay(before: Integers | int, after: Integers | int) -> Floats:
         """Time from maximum to maximum, [pair], over that which a pulse of this amplitude takes."""
         amplitude = np.sqrt(peaks.velocity[before] * peaks.velocity[after])
-        beads = peaks.bead[after] - peaks.bead[before]
+        beads = np.abs(peaks.bead[after] - peaks.bead[before])
         return np.asarray((peaks.time[after] - peaks.time[before]) * speed_at(peaks.bead[after], amplitude) / beads)
 
     def difference(before: Integers | int, after: Integers | int) -> Floats:

@@ -11,7 +11,7 @@ import numpy as np
 from analysis.shape.exact_wave import SolitaryWave
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import Pulse
-from analysis.trajectory import Flags, Floats, Integers, mirrored_bead
+from analysis.trajectory import Flags, Floats, Integers, along_the_way
 from lammps_inputs import Problem, physics
 
 CLEAR = 5
@@ -33,10 +33,10 @@ def returns(waves: Waves, problem: Problem, direction: int) -> Floats:
         direction: 1 if they run towards higher bead numbers, else -1.
     """
     back = np.full((problem.chains, problem.beads), np.inf)
-    numbers = np.arange(1, problem.beads + 1)
+    places = along_the_way(problem, np.arange(1, problem.beads + 1), direction)
     for group in physics.groups(problem.system):
         of_group = waves.where(np.isin(waves.chain - 1, sorted(group)) & np.isfinite(waves.time))
-        along = of_group.bead if direction > 0 else mirrored_bead(problem, of_group.bead)
+        along = along_the_way(problem, of_group.bead, direction)
         bead, place = np.unique(along, return_inverse=True)
         first = np.full(len(bead), np.inf)
         np.minimum.at(first, place, of_group.time)
@@ -46,8 +46,7 @@ def returns(waves: Waves, problem: Problem, direction: int) -> Floats:
         if bead[-1] < problem.beads:
             at_last = of_group.where((along == bead[-1]) & (of_group.time == end))
             end += (problem.beads - bead[-1]) / at_last.speed[0]
-        passed = 2.0 * end - np.interp(numbers, bead, first)
-        back[sorted(group)] = passed if direction > 0 else passed[::-1]
+        back[sorted(group)] = 2.0 * end - np.interp(places, bead, first)
     return back
 
 

@@ -36,7 +36,7 @@ from lammps_inputs.deck_lines import AtomTypes, BeadLayout, DeckLines
 from lammps_inputs.laws import dashpot, spring
 from lammps_inputs.laws.contact_lines import wall_lines
 from lammps_inputs.layout import across_of, layout_of, wall_of
-from lammps_inputs.links import Across, Along, Link, Wall
+from lammps_inputs.links import Links
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 from lammps_inputs.system import System
@@ -136,9 +136,9 @@ def spelling(problem: Problem) -> list[DeckLines]:
     return [*link_lines(problem), *_load_lines(problem.system, problem.layout)]
 
 
-def _spelled(system: System) -> tuple[Link, ...]:
+def _spelled(system: System) -> tuple[Links, ...]:
     """The links that have lines of their own, in the order of these; dashpots of contacts and walls are with those."""
-    dampers = (link for link in system.dampers if not isinstance(link, Along | Wall))
+    dampers = (link for link in system.dampers if not link.touching)
     return (*system.links_of_chains, *dampers, *system.ties)
 
 
@@ -160,16 +160,16 @@ def _load_lines(system: System, layout: BeadLayout) -> list[DeckLines]:
     return loads.lines(system.loads, system.motions, layout)
 
 
-def _of_link(link: Link, system: System, layout: BeadLayout) -> DeckLines:
+def _of_link(link: Links, system: System, layout: BeadLayout) -> DeckLines:
     """The law's own lines; contacts whose law spells no dashpots of its own have them beside."""
     if getattr(link.law, _kind(link)) is None:
         raise engine_limits.FORCES.error(link.name)
-    if isinstance(link, Wall) and _kind(link) != "at_wall":
+    if link.edges and not system.is_tie(link) and not physics.one_gap(system) and np.any(np.ptp(layout.places, axis=0)):
+        raise engine_limits.ROWS.error(link.name)
+    if _kind(link) == "wall":
         return wall_lines(wall_of(link, system), layout)
-    lines: DeckLines = getattr(link.law, _kind(link))(
-        across_of(link, system) if isinstance(link, Across) else link.name, layout
-    )
-    damped = isinstance(link, Along) and layout.contact_loss is not None
+    lines: DeckLines = getattr(link.law, _kind(link))(across_of(link, system) if link.edges else link.name, layout)
+    damped = link.kind == "along" and layout.contact_loss is not None
     return dashpot.beside(lines, layout) if damped and not lines.damped else lines
 
 
@@ -197,11 +197,9 @@ def _refuse_groups(parts: Sequence[str], lines: Sequence[DeckLines]) -> None:
         engine_limits.GROUPS.check(of_part.most_common(1)[0][0], of_part.total())
 
 
-def _kind(link: Link) -> str:
+def _kind(link: Links) -> str:
     """Lines that LAMMPS has for a law on such a link."""
-    if isinstance(link, Wall):
-        return "at_wall" if link.law.at_wall is not None else "wall"
-    return "along" if isinstance(link, Along) else "across" if isinstance(link, Across) else "ground"
+    return "at_wall" if link.kind == "wall" and link.law.at_wall is not None else link.kind
 
 
 def interactions(problem: Problem) -> list[list[str]]:
@@ -319,7 +317,8 @@ def _title(problem: Problem) -> list[str]:
     system = problem.system
     parts = [f"{problem.chains} chain{'s' * (problem.chains > 1)} of {problem.beads} beads"]
     if physics.gap(system):
-        parts.append(f"gap {physics.gap(system):.6g}")
+        least, largest = float(np.min(system.along[0].gap)), physics.gap(system)
+        parts.append(f"gap {largest:.6g}" if physics.one_gap(system) else f"gaps {least:.6g} to {largest:.6g}")
     if physics.loaded(system):
         parts.append("under a static load")
     if physics.coupled(system):
@@ -408,7 +407,7 @@ def _bonds(problem: Problem) -> list[tuple[int, int, NDArray[np.int64]]]:
     """Both chains of every edge, from 0, and the types of its bonds in the rows that exist; 0 where there is none."""
     bonds, before = [], 0
     for link, lines in zip(_spelled(problem.system), link_lines(problem), strict=True):
-        if isinstance(link, Across) and lines.bonds is not None:
+        if lines.bonds is not None:
             numbered = np.where(lines.bonds > 0, lines.bonds + before, 0)
             before += len(lines.coefficients)
             edges = zip(link.edges, numbered, strict=True)

@@ -12,7 +12,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, create_model
 from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws import Law, Parameter, dimensionless
-from lammps_inputs.links import Across, Link
+from lammps_inputs.links import Links
 from lammps_inputs.loads import Load, Motion
 from lammps_inputs.system import FurtherLine, Noun, System
 from lammps_inputs.units import PURE, Label, Scale, Unit
@@ -49,7 +49,7 @@ class Setting:
     Attributes:
         chains: number of chains.
         beads: number of beads of each chain.
-        gap: clear distance between neighbouring beads, in the units of the scene.
+        gap: clear distance between neighbouring beads, in the units of the scene: a number, or [chain, contact].
         material: material of the beads; None where numbers have no units.
         kicks: initial velocities, those of strikers included.
         scale: dimensionless units in those of the scene.
@@ -67,13 +67,24 @@ class Setting:
 
     chains: int
     beads: int
-    gap: float
+    gap: float | NDArray[np.float64]
     material: Any
     kicks: tuple[Any, ...]
     scale: Scale
     contact_scale: tuple[float, float | None]
     parts: Mapping[str, Any]
     named: "tuple[tuple[str, Ingredient], ...]"
+
+    @property
+    def contacts(self) -> tuple[int, int]:
+        """Number of chains, and of the contacts of each."""
+        return self.chains, self.beads - 1
+
+    @property
+    def gap_of_walls(self) -> float:
+        """Clear distance of walls from the beads at the ends, which they touch where the scene's gap is no number."""
+        gap = self.part("gap")
+        return gap if isinstance(gap, float) else 0.0
 
     def part(self, key: str) -> Any:
         """Part of the scene under a key; None where it names none."""
@@ -186,8 +197,8 @@ class FurtherAtoms(NamedTuple):
     """
 
     mass: NDArray[np.float64]
-    ties: tuple[Across, ...]
-    dampers: tuple[Across, ...] = ()
+    ties: tuple[Links, ...]
+    dampers: tuple[Links, ...] = ()
     noun: tuple[str, str] = ("inner atom", "inner atoms")
     chain_of_line: tuple[int, ...] = ()
 
@@ -200,14 +211,14 @@ class FurtherAtoms(NamedTuple):
 
 def together(
     chains: int, each: Iterable[FurtherAtoms]
-) -> tuple[tuple[FurtherLine, ...], tuple[Across, ...], tuple[Across, ...]]:
+) -> tuple[tuple[FurtherLine, ...], tuple[Links, ...], tuple[Links, ...]]:
     """Lines of all atoms that ingredients add to so many chains, their ties and dashpots.
 
     Lines of one ingredient stand in those of another of the same noun and chain whose places are free, else after them.
     """
     lines: list[FurtherLine] = []
-    ties: list[Across] = []
-    dampers: list[Across] = []
+    ties: list[Links] = []
+    dampers: list[Links] = []
     for atoms in each:
         added = atoms.lines(chains)
         first = next(n for n in range(len(lines) + 1) if all(map(_free, lines[n:], added)))
@@ -231,8 +242,8 @@ class Ingredient(ScenePart):
     Examples:
         >>> class Bed(Ingredient):
         ...     stiffness: float  # in units of m / T^2
-        ...     def links(self, setting: Setting) -> tuple[Ground, ...]:
-        ...         return (Ground("bed", laws.spring.Linear(self.stiffness)),)
+        ...     def links(self, setting: Setting) -> tuple[Links, ...]:
+        ...         return (Links.ground("bed", laws.spring.Linear(self.stiffness)),)
         >>> [bed] = Bed(stiffness=0.2).links(granchain.load("one-chain").setting)
         >>> bed.strain(np.array([[0.0, 0.3]]))  # [chain, bead], in units of L
         array([[0. , 0.3]])
@@ -248,6 +259,16 @@ class Ingredient(ScenePart):
     """Publications of its model, keys of `references.bib`."""
     sources_of_laws: ClassVar[dict[str, dict[str, tuple[str, ...]]]] = {}
     """Publications of the laws that its keys choose: key, such as ``damping.contact`` -> law -> keys."""
+
+    @classmethod
+    def kinds(cls) -> "tuple[type[Ingredient], ...]":
+        """Classes among which the keys choose, such as one a law; the first where none is chosen."""
+        return (cls,)
+
+    @classmethod
+    def kind_of(cls, value: Any) -> "type[Ingredient]":  # noqa: ARG003
+        """Class that plain data, or an ingredient, is of."""
+        return cls
 
     @classmethod
     def from_files(cls, value: Any, folder: Path) -> Any:  # noqa: ARG003
@@ -272,7 +293,7 @@ class Ingredient(ScenePart):
         """Publications of the models that it has chosen."""
         return self.sources
 
-    def links(self, setting: Setting) -> tuple[Link, ...]:  # noqa: ARG002
+    def links(self, setting: Setting) -> tuple[Links, ...]:  # noqa: ARG002
         """The links that it makes, dimensionless; none where its numbers come to nothing."""
         return ()
 
@@ -313,7 +334,7 @@ class Ingredient(ScenePart):
         """Factors on the strengths of the contacts, a number or [chain, contact]."""
         return 1.0
 
-    def dampers(self, setting: Setting) -> tuple[Link, ...]:  # noqa: ARG002
+    def dampers(self, setting: Setting) -> tuple[Links, ...]:  # noqa: ARG002
         """Links with laws of damping (`lammps_inputs.laws.dashpot`), dimensionless; they store no energy."""
         return ()
 

@@ -93,13 +93,18 @@ class ByFormula(Ingredient):
         return parameters
 
     @classmethod
+    def names_with_meaning(cls) -> frozenset[str]:
+        """Keys that no parameter may have as its name."""
+        return frozenset(cls.model_fields)
+
+    @classmethod
     def _wrong(cls, force: str) -> str:
         """Reason why a text is no formula of s; empty if it is one."""
         try:
             named = formulas().parameters(force)
         except ValueError as error:
             return str(error)
-        meant = next((name for name in named if name in cls.model_fields), None)
+        meant = next((name for name in named if name in cls.names_with_meaning()), None)
         return "" if meant is None else f"names `{meant}`, a key with another meaning; take another name, such as k"
 
     @model_serializer(mode="wrap")

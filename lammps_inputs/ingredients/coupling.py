@@ -22,7 +22,7 @@ from lammps_inputs.ingredients.base import (
 from lammps_inputs.ingredients.by_formula import ByFormula, formulas
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.spring import Duffing, Linear
-from lammps_inputs.links import Across
+from lammps_inputs.links import Links
 from lammps_inputs.system import System
 from lammps_inputs.units import Label
 
@@ -146,7 +146,7 @@ class Coupling(ByFormula):
                 raise ValueError(f"{key}: chains {pair[0]} and {pair[1]} are tied twice; add the stiffnesses up")
             pairs.add(pair)
 
-    def links(self, setting: Setting) -> tuple[Across, ...]:
+    def links(self, setting: Setting) -> tuple[Links, ...]:
         """Links across the chains; none where no two chains are tied by any spring."""
         edges = self._edges(setting.chains)
         if self.formula is not None and formulas().multiple_of_strain(self.formula) is None:
@@ -160,14 +160,14 @@ class Coupling(ByFormula):
         spring, cubic = (values[holds] if isinstance(values, np.ndarray) else values for values in (spring, cubic))
         law: Law = Duffing(spring, cubic) if np.any(cubic) else Linear(spring)
         pairs = tuple((lower, higher) for (lower, higher, _), tied in zip(edges, holds, strict=True) if tied)
-        return (Across("coupling", law, edges=pairs, grid=self._grid),)
+        return (Links.across("coupling", law, pairs, self._grid),)
 
-    def _by_formula(self, force: Any, edges: list[Any], setting: Setting) -> tuple[Across, ...]:
+    def _by_formula(self, force: Any, edges: list[Any], setting: Setting) -> tuple[Links, ...]:
         if not edges:
             return ()
         strength = 1.0 if self.rows is None else in_rows(1.0, self.rows, (len(edges), setting.beads))
         law = laws.dimensionless(force.law(formulas().AcrossChains, strength=strength), setting.scale)
-        return (Across("coupling", law, edges=tuple(edge[:2] for edge in edges), grid=self._grid),)
+        return (Links.across("coupling", law, tuple(edge[:2] for edge in edges), self._grid),)
 
     @property
     def _grid(self) -> tuple[int, int] | None:

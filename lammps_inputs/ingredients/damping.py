@@ -9,7 +9,6 @@ from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lammps_inputs import laws, physics
 from lammps_inputs.facts import Fact
@@ -26,10 +25,10 @@ from lammps_inputs.laws.dashpot import (
     PowerRestitution,
     Restitution,
     Viscoelastic,
-    WallDashpot,
     alpha,
 )
-from lammps_inputs.links import Across, Along, Ground, Link, Wall
+from lammps_inputs.links import Links
+from lammps_inputs.numbers import number_or_array
 from lammps_inputs.system import System
 from lammps_inputs.units import Label, Unit
 
@@ -100,12 +99,12 @@ class Damping(Ingredient):
                 "damping.tension: is cut where dashpots pull harder than contacts of spheres push, of exponent 1.5, "
                 f"not {setting.contact_scale[0]:g}; leave it out"
             )
-        if self.coupling and not any(isinstance(link, Across) for link in _springs(setting)):
+        if self.coupling and not _springs(setting):
             raise ValueError("damping.coupling: there is no coupling between chains that it could damp")
         for link in self.dampers(setting):
             largest = float(np.max(link.law.coefficient))  # type: ignore[attr-defined]
             if largest > MOST:
-                where = f" at the {link.name.split('_')[0]} wall" if isinstance(link, Wall) else ""
+                where = f" at the {link.name.split('_')[0]} wall" if link.kind == "wall" else ""
                 raise ValueError(
                     f"damping: {largest:.3g} in dimensionless units{where}; at most {MOST:g}, where beads stick"
                 )
@@ -130,15 +129,14 @@ class Damping(Ingredient):
         """Publications of the law of the contacts' dashpots."""
         return () if self.contact is None else SOURCES[self.law or "linear"]
 
-    def dampers(self, setting: Setting) -> tuple[Link, ...]:
+    def dampers(self, setting: Setting) -> tuple[Links, ...]:
         """Dashpots of contacts, springs and beads."""
-        dampers: list[Link] = []
-        loss = self._loss(setting)
-        if loss is not None:
-            dampers.append(Along("contact_damping", loss, gap=setting.gap / setting.scale.length))
+        dampers: list[Links] = []
+        if not self._undamped():
+            gap = setting.gap / setting.scale.length
+            dampers.append(Links.along("contact_damping", self._of_contacts(setting), gap))
             for wall in _walls(setting):
-                law: Any = self._at_wall(wall, setting)
-                dampers.append(replace(wall, name=f"{wall.name}_damping", law=law))
+                dampers.append(replace(wall, name=f"{wall.name}_damping", law=self._at_wall(wall, setting)))
         if self.coupling:
             coefficient = laws.dimensionless(Dashpot(self.coupling), setting.scale).coefficient
             for link in _springs(setting):
@@ -146,30 +144,37 @@ class Damping(Ingredient):
                 law = Dashpot(coefficient if np.all(acts) else np.where(acts, coefficient, 0.0))
                 dampers.append(replace(link, name="coupling_damping", law=law))
         if self.beads:
-            dampers.append(Ground("bead_damping", laws.dimensionless(Dashpot(self.beads), setting.scale)))
+            dampers.append(Links.ground("bead_damping", laws.dimensionless(Dashpot(self.beads), setting.scale)))
         return tuple(dampers)
 
     def lacks(self, setting: Setting) -> frozenset[Fact]:
         """Energy, and what goes with it; momentum by drag on beads; order 2 by all other dashpots."""
         dampers = self.dampers(setting)
         taken = {Fact.ENERGY, Fact.FRONT, Fact.REVERSIBLE} if dampers else set()
-        if any(isinstance(link, Ground) for link in dampers):
+        if any(len(link.ends) == 1 for link in dampers):
             taken.add(Fact.MOMENTUM)
-        if any(not isinstance(link, Ground) for link in dampers):
+        if any(link.kind != "ground" for link in dampers):
             taken.add(Fact.SECOND_ORDER)
         return frozenset(taken)
 
-    def _loss(self, setting: Setting) -> ContactLoss | None:
-        """Dimensionless dashpot law of the contacts; None if they are undamped."""
-        if not self.contact or (self.law == "restitution" and self.contact >= 1.0):
-            return None
-        mass, strength = masses_and_strengths(setting)
-        scale = setting.scale
+    def _undamped(self) -> bool:
+        """Whether contacts have no dashpots."""
+        return not self.contact or (self.law == "restitution" and self.contact >= 1.0)
+
+    def _loss(
+        self, strength: Parameter, reduced: Parameter, setting: Setting, *, share: Parameter = 1.0
+    ) -> ContactLoss:
+        """Dimensionless dashpot law of contacts or of a wall.
+
+        Args:
+            strength: strength of the contacts.
+            reduced: reduced mass of the two that touch, of one bead and a place the bead's.
+            setting: the scene.
+            share: of the coefficient of viscoelastic contacts.
+        """
+        assert self.contact is not None
+        scale, exponent = setting.scale, setting.contact_scale[0]
         if self.law == "restitution":
-            reduced: Parameter = 0.5
-            if not isinstance(mass, float):
-                reduced = 1.0 / (1.0 / mass[:, :-1] + 1.0 / mass[:, 1:])
-            exponent = setting.contact_scale[0]
             coefficient = alpha(self.contact, exponent) * np.sqrt(reduced * strength)
             if exponent in RESTITUTIONS:
                 return RESTITUTIONS[exponent](coefficient, self.contact)
@@ -177,39 +182,32 @@ class Damping(Ingredient):
         unit = scale.force / scale.velocity
         tensile_limit = strength if self.tension == "cut" else NO_LIMIT
         if self.law == "viscoelastic":
-            return Viscoelastic(self.contact / unit * scale.length**0.5, tensile_limit)
+            return Viscoelastic(self.contact / unit * scale.length**0.5 * share, tensile_limit)
         return ContactDashpot(self.contact / unit, tensile_limit)
 
-    def _at_wall(self, wall: Wall, setting: Setting) -> WallDashpot | PowerRestitution:
+    def _of_contacts(self, setting: Setting) -> ContactLoss:
+        """Dashpot of the contacts of beads."""
+        mass, strength = masses_and_strengths(setting)
+        reduced = 0.5 if isinstance(mass, float) else 1.0 / (1.0 / mass[:, :-1] + 1.0 / mass[:, 1:])
+        return self._loss(strength, reduced, setting)
+
+    def _at_wall(self, wall: Links, setting: Setting) -> ContactLoss:
         """Dashpot of a wall: it dissipates the share of the speed, or has the share of the force, that contacts do.
 
         The dashpot of a viscoelastic contact is in proportion to its stiffness (Brilliantov et al. 1996).
         """
-        assert self.contact is not None
-        mass, _ = masses_and_strengths(setting)
-        strength: NDArray[np.float64] = np.asarray(laws.strength(wall.law))
-        exponent, unit = setting.contact_scale[0], setting.scale.force / setting.scale.velocity
-        of: dict[float, Parameter] = {1.0: 0.0, HERTZ: 0.0, 2.0: 0.0}  # as in `RESTITUTIONS`
-        if self.law == "restitution":
-            critical: NDArray[np.float64] = np.sqrt(mass * strength)
-            coefficient = alpha(self.contact, exponent) * critical
-            if exponent not in RESTITUTIONS:
-                return PowerRestitution(coefficient, exponent, self.contact)
-            of[exponent] = coefficient
-        elif self.law == "viscoelastic":
-            of[2.0] = float(self.contact / unit * setting.scale.length**0.5) * strength
-        else:
-            of[1.0] = np.where(strength > 0.0, float(self.contact / unit), 0.0)
-        tensile_limit = strength if self.tension == "cut" else NO_LIMIT
-        return WallDashpot(of[1.0], of[2.0], of[HERTZ], tensile_limit)
+        mass, strength = masses_and_strengths(setting)[0], laws.strength(wall.law)
+        (beads, _), *_ = wall.ends
+        met = mass if isinstance(mass, float) else number_or_array(mass[:, beads.rows])
+        return self._loss(strength, met, setting, share=strength)
 
 
-def _walls(setting: Setting) -> tuple[Wall, ...]:
+def _walls(setting: Setting) -> tuple[Links, ...]:
     walls = setting.part("walls")
     return () if walls is None else walls.links(setting)
 
 
-def _springs(setting: Setting) -> tuple[Across, ...]:
+def _springs(setting: Setting) -> tuple[Links, ...]:
     coupling = setting.part("coupling")
     links = () if coupling is None else coupling.links(setting)
-    return tuple(link for link in links if isinstance(link, Across))
+    return tuple(link for link in links if link.edges)

@@ -18,7 +18,7 @@ from lammps_inputs.ingredients import base
 from lammps_inputs.ingredients.base import Cubic, Phase, Positive, Rows, ScenePart, Setting, Stiffness
 from lammps_inputs.ingredients.by_formula import STIFFEST, ByFormula, formulas
 from lammps_inputs.laws.spring import Duffing, Linear, Varying
-from lammps_inputs.links import Ground
+from lammps_inputs.links import Links
 from lammps_inputs.numbers import number_or_array
 from lammps_inputs.system import System
 from lammps_inputs.units import PURE, Label, Unit
@@ -137,7 +137,7 @@ class Foundation(ByFormula):
                 continue
             largest = {
                 "stiffness": laws.stiffest(link.law, 0.0),
-                "cubic": np.max(dict(zip(link.law.names, link.law, strict=True)).get("cubic", 0.0)),
+                "cubic": np.max(link.law.by_name.get("cubic", 0.0)),
             }
             for key in (key for key, value in largest.items() if value > STIFFEST):
                 raise ValueError(f"foundation.{key}: so stiff that the beads do not move; at most 1e12, dimensionless")
@@ -155,7 +155,7 @@ class Foundation(ByFormula):
             if isinstance(stiffness, GroundRamp):
                 yield f"foundation.stiffness{f'[{number}]' * several}", stiffness
 
-    def links(self, setting: Setting) -> tuple[Ground, ...]:
+    def links(self, setting: Setting) -> tuple[Links, ...]:
         """Springs of the beads to the ground; cubic ones are separate from those that ramp or are modulated."""
         cubic = self._values(self.cubic, setting)
         named: dict[str, Any]
@@ -169,7 +169,7 @@ class Foundation(ByFormula):
             named = {"foundation": Duffing(stiffness, cubic) if np.any(cubic) else Linear(stiffness)}
         # the first two parameters of each law, all that Linear and Duffing have, are 0 where there are no springs
         present = {name: law for name, law in named.items() if any(map(np.any, (*law,)[:2]))}
-        return tuple(Ground(name, laws.dimensionless(law, setting.scale)) for name, law in present.items())
+        return tuple(Links.ground(name, laws.dimensionless(law, setting.scale)) for name, law in present.items())
 
     def refuse_system(self, setting: Setting, system: System) -> None:
         """Refuse formulas where they have no value."""

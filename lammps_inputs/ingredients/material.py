@@ -50,9 +50,7 @@ class Material(Ingredient):
         contact, key = setting.part("contact"), "material.yield_strength"
         if self.yield_strength is None:
             return
-        if contact is not None and contact.yields is not None:
-            raise ValueError("contact.yield: material.yield_strength makes the contacts yield; leave one of them out")
-        if setting.contact_scale[0] != 1.5 or (contact is not None and contact.force is not None):
+        if contact is not None and not contact.of_spheres:
             raise ValueError(f"contact: other contacts than spheres, which alone yield by {key}; leave one of them out")
         plastic.refuse_at_once(key, self._onset(setting), "; is it in Pa?")
         plastic.refuse(setting, of_spheres=True)

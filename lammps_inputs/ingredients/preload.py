@@ -19,7 +19,7 @@ from lammps_inputs.ingredients.base import Ingredient, Positive, Setting
 from lammps_inputs.ingredients.unequal import masses_and_strengths
 from lammps_inputs.laws.weight import Weight
 from lammps_inputs.layout import layout_of
-from lammps_inputs.links import Weights
+from lammps_inputs.links import Links
 from lammps_inputs.system import System
 from lammps_inputs.units import Label, Unit
 
@@ -32,7 +32,7 @@ class _Load(Ingredient):
 
     def refuse(self, setting: Setting) -> None:
         """Refuse gaps, which no load leaves."""
-        if setting.gap > 0.0:
+        if np.any(setting.gap):
             raise ValueError(f"gap: beads under a static load touch; leave the gap or `{self.key}` out")
 
     def refuse_system(self, setting: Setting, system: System) -> None:  # noqa: ARG002
@@ -119,12 +119,12 @@ class Gravity(_Load):
             return super().lacks(setting)
         return frozenset({Fact.MOMENTUM, Fact.PULSE, Fact.REST, Fact.FRONT, Fact.SONIC_VACUUM})
 
-    def links(self, setting: Setting) -> tuple[Weights, ...]:
+    def links(self, setting: Setting) -> tuple[Links, ...]:
         """Weights of beads that fall; those of a settled column are a static load."""
         if self.settled:
             return ()
         law = Weight(self.acceleration / setting.scale.velocity * setting.scale.time, masses_and_strengths(setting)[0])
-        return (Weights("gravity", law),)
+        return (Links.ground("gravity", law),)
 
     @property
     def stores(self) -> bool:

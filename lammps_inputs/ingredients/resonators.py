@@ -26,7 +26,7 @@ from lammps_inputs.ingredients.base import (
 from lammps_inputs.ingredients.damping import MOST
 from lammps_inputs.laws.dashpot import Dashpot
 from lammps_inputs.laws.spring import Linear
-from lammps_inputs.links import Across
+from lammps_inputs.links import Links
 from lammps_inputs.numbers import number_or_array
 from lammps_inputs.physics import PULSE_RATE
 from lammps_inputs.units import Label, Unit
@@ -108,9 +108,9 @@ class Resonators(Ingredient):
         edges = tuple((chain, setting.chains + chain) for chain in range(setting.chains))
         spring = Linear(number_or_array(self._in_rows(np.where(present, stiffness, 0.0), setting)))
         dashpot: Any = Dashpot(number_or_array(self._in_rows(np.where(present, damping, 0.0), setting)))
-        dampers = (Across("resonator_damping", dashpot, edges=edges),) if np.any(damping[present]) else ()
+        dampers = (Links.across("resonator_damping", dashpot, edges),) if np.any(damping[present]) else ()
         name = setting.key_of(self).replace("[", "_").rstrip("]")
-        return FurtherAtoms(table, (Across(name, spring, edges=edges),), dampers, ("resonator", "resonators"))
+        return FurtherAtoms(table, (Links.across(name, spring, edges),), dampers, ("resonator", "resonators"))
 
     def lacks(self, setting: Setting) -> frozenset[Fact]:
         """Exact solitary waves; a leading pulse where resonators are too slow; with dashpots what these take."""

@@ -213,8 +213,9 @@ def masses_and_strengths(setting: Setting) -> tuple[float | Floats, float | Floa
                 f"{key}: the {name} goes from {least:.3g} to {largest:.3g} of the reference bead's; at most a million "
                 "times, or one in a million"
             )
-    if setting.part("window") is not None and not (np.all(mass == 1.0) and np.ptp(strength) == 0.0):
-        which = "beads" if unlike(setting) else "contacts"
+    alike = np.all(mass == 1.0) and np.ptp(strength) == 0.0 and np.ptp(setting.gap) == 0.0
+    if setting.part("window") is not None and not alike:
+        which = "beads" if unlike(setting) else "contacts" if factors else "gaps"
         raise ValueError(f"window: its rows represent one row after another, and the {which} differ; leave it out")
     return (
         1.0 if np.all(mass == 1.0) else mass,

@@ -11,7 +11,7 @@ Examples:
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -24,9 +24,10 @@ from lammps_inputs.ingredients.base import Ingredient, Positive, ScenePart, Sett
 from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.ingredients.unequal import BeadKind as Bead
 from lammps_inputs.ingredients.unequal import modulus, radii, softness, unlike, with_its_like
-from lammps_inputs.laws import Law
+from lammps_inputs.laws import Parameter
 from lammps_inputs.laws.contact import Hertz
-from lammps_inputs.links import Wall
+from lammps_inputs.links import Links
+from lammps_inputs.numbers import number_or_array
 from lammps_inputs.units import Label, Unit
 
 STRENGTHS = {"bead": 1.0, "flat": math.sqrt(2.0), "rigid": 2.0 * math.sqrt(2.0)}
@@ -101,50 +102,34 @@ class Walls(Ingredient):
         blocks = (kind.material for kind in (self.left, self.right) if isinstance(kind, Face))
         return (*self.sources, *dict.fromkeys(materials.CATALOGUE[name].source for name in blocks if name))
 
-    def links(self, setting: Setting) -> tuple[Wall, ...]:
+    def links(self, setting: Setting) -> tuple[Links, ...]:
         """Links of the beads at the ends with each wall."""
         walls = []
         for key, side, last in (("left", -1.0, 0), ("right", 1.0, -1)):
             kind = getattr(self, key)
             if kind is not None:
-                strength = np.zeros((setting.chains, setting.beads))
-                strength[:, last] = _strength(kind, setting, last)
-                law = _law(key, strength, setting, partial(_solids, kind, setting, last))
-                gap = setting.gap / setting.scale.length
-                walls.append(Wall(f"{key}_wall", law, side, gap, curved=kind == "bead"))
+                strength = _of_chains(_strength(kind, setting, last))
+                law = setting.law_between(strength, partial(_solids, kind, setting, last)) or Hertz(strength)
+                gap = setting.gap_of_walls / setting.scale.length
+                walls.append(Links.wall(f"{key}_wall", law, side, gap, curved=kind == "bead"))
         return tuple(walls)
 
 
+def _of_chains(values: Any) -> Parameter:
+    """A number, or [chain, 1] where values of chains differ."""
+    return number_or_array(np.reshape(values, (-1, 1)))
+
+
 def _solids(kind: Kind, setting: Setting, bead: int) -> Solids:
-    """A wall and a bead (from 0, or the end) of each chain in contact, [chain, bead]; 1 at other beads."""
-    radius, plane_modulus, soft = np.ones((3, setting.chains, setting.beads))
-    radius[:, bead] = 2.0 if kind != "bead" else 1.0
-    if unlike(setting):
-        radius[:, bead] *= radii(setting)[:, bead]
-    plane_modulus[:, bead] = modulus(setting, bead)
+    """A wall and a bead (from 0, or the end) of each chain in contact, numbers or [chain, 1]."""
+    plane_modulus = np.asarray(modulus(setting, bead))
+    radius = (2.0 if kind != "bead" else 1.0) * (radii(setting)[:, bead] if unlike(setting) else np.ones(1))
     if kind == "rigid":
-        plane_modulus[:, bead] *= 2.0
+        plane_modulus = 2.0 * plane_modulus
     elif isinstance(kind, Face) and kind.material is not None:
         block = Bead(material=kind.material).relative(setting.material)[2]
-        plane_modulus[:, bead] *= 2.0 * block / (block + plane_modulus[:, bead])
-    soft[:, bead] = softness(setting, bead)
-    return Solids(radius, plane_modulus, soft)
-
-
-def _law(key: str, strength: NDArray[np.float64], setting: Setting, solids: Callable[[], Solids]) -> Law:
-    """Law of the contacts, with this strength.
-
-    Raises:
-        ValueError: it does not vanish where the strength is 0.
-    """
-    law = setting.law_between(strength, solids) or Hertz(strength)
-    with np.errstate(all="ignore"):
-        if not np.all(np.isfinite(law.max_strain(1.0, *law))):
-            raise ValueError(
-                f"walls.{key}: a wall has the law of the contacts, and the reach of theirs is not 0 where its strength "
-                "is; make it so, or leave the wall out"
-            )
-    return law
+        plane_modulus = plane_modulus * (2.0 * block / (block + plane_modulus))
+    return Solids(*map(_of_chains, (radius, plane_modulus, softness(setting, bead))))
 
 
 def _strength(kind: Kind, setting: Setting, bead: int) -> float | NDArray[np.float64]:

@@ -74,9 +74,12 @@ def faces(link: WallLinks, layout: BeadLayout) -> list[tuple[float, float]]:
     """Strength of the wall of every chain, and where it stands in LAMMPS: nearer by an overlap at rest."""
     radius, right = layout.diameter / 2.0, link.side > 0.0
     end, law = -1 if right else 0, link.law
-    place, clear = layout.places[:, end], np.broadcast_to(link.gap - law.rest, laws.strength(law).shape)[:, end]
+    clear, strength = (
+        np.broadcast_to(values, (layout.chains, 1))[:, 0] for values in (link.gap - law.rest, laws.strength(law))
+    )
+    place = layout.places[:, end]
     face = place + radius + clear if right else place - radius - clear
-    return list(zip(np.max(laws.strength(law), axis=1).tolist(), face.tolist(), strict=True))
+    return list(zip(strength.tolist(), face.tolist(), strict=True))
 
 
 def wall_lines(link: WallLinks, layout: BeadLayout) -> DeckLines:
@@ -86,7 +89,7 @@ def wall_lines(link: WallLinks, layout: BeadLayout) -> DeckLines:
     same radius in LAMMPS, so chains whose walls differ in strength or position have separate fixes.
     """
     name, exponent, loss = link.name, link.law.exponent, link.loss
-    lost, model = ([0.0] * layout.chains, "damping velocity") if loss is None else loss.granular(layout)
+    lost, model = ([0.0] * layout.chains, "damping velocity") if loss is None else loss.at_walls(layout)
     end = layout.beads if link.side > 0.0 else 1
     walls = [(*face, g) for face, g in zip(faces(link, layout), lost, strict=True)]
     engine_limits.GROUPS.check(name, len(set(walls)))

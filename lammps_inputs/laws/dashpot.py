@@ -15,7 +15,7 @@ Dashpots of contacts act while the beads touch; under a static load ``rest`` is 
 counts. Where a dashpot pulls harder than the contact pushes, so does their sum; with the contact's strength as
 ``tensile_limit`` the sum is never tensile, with `NO_LIMIT` it may be.
 
-The dashpot of a wall is one of the contacts': any of the three, so that coefficients of two are 0.
+The dashpot of a wall is that of a contact.
 
 Examples:
     >>> damper = granchain.load("damped-contacts").problem().system.dampers[0].law
@@ -59,6 +59,23 @@ class DashpotLaw(Law):
 
     tensile_limit = _NEVER
     each_pair = False
+
+    def at_walls(self, layout: BeadLayout) -> tuple[list[float], str]:
+        """LAMMPS's coefficient for the wall of every chain, and the model, which is that of the contacts.
+
+        Viscoelastic ones it multiplies by the bead's mass and the contact's radius, sqrt(diameter / 2 * overlap).
+        Restitution it makes of strengths and masses itself, for walls of spheres.
+        """
+        assert layout.contact_loss is not None
+        share, model = layout.contact_loss.granular(layout)
+        of_chain: NDArray[np.float64] = np.broadcast_to(next(iter(self)), (layout.chains, 1))[:, 0]
+        if layout.contact_loss.each_pair:
+            model = "damping velocity"  # beside a stiffness of 0 there is no other
+        elif "restitution" in model:
+            of_chain = np.full(layout.chains, share)
+        elif "viscoelastic" in model:
+            of_chain = of_chain / (layout.heaviest * np.sqrt(layout.diameter / 2.0))
+        return of_chain.tolist(), model
 
 
 class Dashpot(DashpotLaw):
@@ -109,7 +126,7 @@ class Dashpot(DashpotLaw):
         if not (every and layout.alike):
             raise engine_limits.COUPLING_DASHPOTS.error("damping.coupling")
         types = np.repeat(1 + np.arange(layout.chains)[:, np.newaxis] % 2, layout.beads, axis=1)
-        pressed = float(np.max(layout.rest))
+        pressed = float(np.max(layout.closer))
         apart = layout.diameter + layout.gap
         cutoff = text(4.25**0.5 * apart if pressed == 0.0 else math.hypot(2.0 * apart, 0.5 * (apart - pressed)))
         return DeckLines(
@@ -414,68 +431,3 @@ def overlaid(contacts: list[str], beside: list[tuple[str, ...]]) -> list[str]:
 
 def _limit(tensile_limit: Parameter) -> str:
     return " limit_damping" if np.min(tensile_limit) < NO_LIMIT else ""
-
-
-class WallDashpot(DashpotLaw):
-    """``(g + b o**0.5 + a o**0.25) s'`` at an overlap ``o = s + rest`` above 0; see `ContactDashpot` and so on."""
-
-    by_rate: Parameter
-    """g, in units of m / T; 0 for beads that have no wall, and so with the others."""
-    by_radius: Parameter
-    """b, in units of m / (T L**0.5)."""
-    by_stiffness: Parameter
-    """a, in units of m / (T L**0.25)."""
-    tensile_limit: Parameter
-    """Strength of the wall where tension is cut, else `NO_LIMIT`."""
-    rest: Parameter = 0.0
-
-    @staticmethod
-    def damping(
-        s: Any, rate: Any, by_rate: Any, by_radius: Any, by_stiffness: Any, tensile_limit: Any, rest: Any
-    ) -> Any:
-        """Force of the dashpot; tension is limited to the pressure of the contact."""
-        closed = np.maximum(s + rest, 0.0)
-        root = np.sqrt(closed)
-        force = ((closed > 0.0) * by_rate + by_radius * root + by_stiffness * np.sqrt(root)) * rate
-        return np.maximum(force, -tensile_limit * (closed * root))
-
-    @staticmethod
-    def growth(s: Any, by_rate: Any, by_radius: Any, by_stiffness: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
-        """Slope of the resistance, infinite where bead and wall meet, so limited to that at an overlap of `LEAST`."""
-        overlap = s + rest
-        closed = np.maximum(overlap, LEAST)
-        root = np.sqrt(closed)
-        return (overlap > 0.0) * (0.5 * by_radius / root + 0.25 * by_stiffness / (root * np.sqrt(root)))
-
-    @staticmethod
-    def impulse(s: Any, by_rate: Any, by_radius: Any, by_stiffness: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
-        """Integral of the resistance from rest, exactly 0 at rest."""
-        closed = np.maximum(s + rest, 0.0)
-        root, low = np.sqrt(closed), np.sqrt(rest)
-        return (
-            by_rate * np.maximum(s, -rest)
-            + by_radius * (2.0 / 3.0 * (closed * root - rest * low))
-            + by_stiffness * (0.8 * closed * np.sqrt(root) - 0.8 * rest * np.sqrt(low))
-        )
-
-    @property
-    def coefficient(self) -> Any:
-        """Coefficient of the dashpot's kind; the other two are 0."""
-        return self.by_rate + self.by_radius + self.by_stiffness
-
-    def granular(self, layout: BeadLayout) -> tuple[list[float], str]:
-        """LAMMPS's coefficient for the wall of every chain, and the model, which is that of the contacts.
-
-        Viscoelastic ones it multiplies by the bead's mass and the contact's radius, sqrt(diameter / 2 * overlap).
-        Restitution it makes of strengths and masses itself, for walls of spheres.
-        """
-        assert layout.contact_loss is not None
-        share, model = layout.contact_loss.granular(layout)
-        of_chain = np.max(np.broadcast_to(self.coefficient, (layout.chains, layout.beads)), axis=1)
-        if layout.contact_loss.each_pair:
-            model = "damping velocity"  # beside a stiffness of 0 there is no other
-        elif "restitution" in model:
-            of_chain = np.full(layout.chains, share)
-        elif "viscoelastic" in model:
-            of_chain = of_chain / (layout.heaviest * np.sqrt(layout.diameter / 2.0))
-        return of_chain.tolist(), model

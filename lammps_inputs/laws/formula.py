@@ -108,5 +108,5 @@ def _filled(law: Any, name: str, formula: str, strain: str, variable: str = "s")
     """
     if any(np.ndim(value) for value in law):
         raise engine_limits.FORMULAS.error(name)
-    numbers = {key: text(float(value)) for key, value in zip(law.names, law, strict=True)}
+    numbers = {key: text(float(value)) for key, value in law.by_name.items()}
     return re.sub(r"[A-Za-z_]\w*", lambda word: ({variable: strain} | numbers).get(word[0], word[0]), formula)

@@ -6,8 +6,7 @@ A law is a subclass of `TimeLaw` that declares its parameters, as a law on a lin
 
 # ruff: noqa: ARG004  every function of a law takes all of its parameters
 import math
-from dataclasses import replace
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,14 +75,9 @@ class TimeLaw(Parameters):
         """
         raise NotImplementedError
 
-    @property
-    def opposite(self) -> Self:
-        """The opposite force."""
-        return replace(self, peak=-self.peak)  # type: ignore[attr-defined,call-arg]
-
     def variables(self, name: str) -> tuple[str, ...]:
         """Deck variables with the parameters that the formula names."""
-        return tuple(f"variable {name}{key} index {text(value)}" for key, value in zip(self.names, self, strict=True))
+        return tuple(f"variable {name}{key} index {text(value)}" for key, value in self.by_name.items())
 
 
 class HalfSine(TimeLaw):
@@ -284,11 +278,6 @@ class TabulatedForce(TimeLaw):
     def long(self) -> bool:  # type: ignore[override]
         """Whether it is too long for a formula of LAMMPS."""
         return self.points > MOST_IN_FORMULA
-
-    @property
-    def opposite(self) -> "TabulatedForce":
-        """The opposite force."""
-        return replace(self, value=-self.value, gained=-self.gained, gone=-self.gone)
 
     def variables(self, name: str) -> tuple[str, ...]:  # noqa: ARG002
         """None: the numbers stand in the formula."""

@@ -162,5 +162,5 @@ def _strength_and_onset(law: Any, layout: BeadLayout) -> NDArray[np.float64]:
     for wall in _walls(layout):
         end = -1 if wall.side > 0.0 else 0
         for row, value in zip(numbers, (wall.law.strength, wall.law.onset), strict=True):
-            row[:, end] = np.broadcast_to(value, (layout.chains, layout.beads))[:, end]
+            row[:, [end]] = value
     return numbers

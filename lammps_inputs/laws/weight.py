@@ -14,6 +14,8 @@ from lammps_inputs.units import Dimension
 class Weight(Law):
     """``-m g``: the force of a link drives its bead back, and weights drive beads forward."""
 
+    constant = True
+
     acceleration: Annotated[Parameter, Dimension("velocity", over="time")]
     """g, in units of V / T."""
     mass: Pure

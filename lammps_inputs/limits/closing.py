@@ -13,13 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def never_closes(chains: int, kappa: float, gap: float, kicks: Iterable[tuple[int, int, float]], beads: int) -> bool:
+def never_closes(
+    chains: int,
+    kappa: float,
+    gap: float | NDArray[np.float64],
+    kicks: Iterable[tuple[int, int, float]],
+    beads: int,
+) -> bool:
     """Whether it is certain that no two beads ever meet.
 
     Args:
         chains: number of chains.
         kappa: stiffness of the springs between neighbouring chains.
-        gap: clear distance between the beads of a chain, in the units of the velocities and kappa (mass 1).
+        gap: clear distance between the beads of a chain, in the units of the velocities and kappa (mass 1): a number,
+            or [chain, contact].
         kicks: (chain, bead, velocity), counted from 1.
         beads: beads of a chain.
     """
@@ -27,7 +34,9 @@ def never_closes(chains: int, kappa: float, gap: float, kicks: Iterable[tuple[in
     for chain, bead, velocity in kicks:
         closing[bead][chain - 1] += velocity
         closing[bead - 1][chain - 1] -= velocity
-    return gap > 0.0 and all(_stays_open(speeds, kappa, gap) for bead, speeds in closing.items() if 1 <= bead < beads)
+    least = np.min(np.broadcast_to(gap, (chains, beads - 1)), axis=0).tolist()
+    between = ((speeds, least[bead - 1]) for bead, speeds in closing.items() if 1 <= bead < beads)
+    return max(least) > 0.0 and all(each > 0.0 and _stays_open(speeds, kappa, each) for speeds, each in between)
 
 
 def lowest_modal_frequency(chains: int, kappa: float) -> float:

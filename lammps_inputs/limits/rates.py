@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from lammps_inputs import laws, physics
 from lammps_inputs.laws import Law, dashpot
-from lammps_inputs.links import Across, Along, Wall, largest_eigenvalue
+from lammps_inputs.links import Links, largest_eigenvalue
 from lammps_inputs.scheme import LARGEST_PHASE, SchemeName
 from lammps_inputs.system import System
 
@@ -60,7 +60,7 @@ def bending(system: System) -> float:
     It is the root of the second derivative of the stiffness in the strain over the largest stiffness, of beads that
     move with V and springs that are strained by `FARTHEST` or as far as energy brings them.
     """
-    springs = (*system.across, *physics.ground_springs(physics.at(system, 0.0)))
+    springs = (*system.across, *physics.at(system, 0.0).ground)
     return max((_bending(link.law, physics.energy(system)) for link in springs), default=0.0)
 
 
@@ -90,52 +90,53 @@ def front_speed(system: System) -> float:
 def drag(system: System) -> float:
     """Rate, at most, at which dashpots stop any motion."""
     contacts, others = np.zeros(1), 0.0
-    ties = tuple(link for link in system.dampers if isinstance(link, Across) and system.is_tie(link))
+    ties = tuple(link for link in system.dampers if system.is_tie(link))
     braked = _at_ends(system, ties, [dashpot.resistance(link.law, 0.0) for link in ties])
     for link in system.dampers:
         if link in ties:
             continue
-        if isinstance(link, Along):
+        if link.kind == "along":
             reached = dashpot.at_max_strain(link.law, system.along[0].law, physics.energy(system))
-            contacts = contacts + _on_beads(system, reached)
-        elif isinstance(link, Wall):
-            contacts = contacts + dashpot.at_max_strain(
-                link.law, physics.wall_at(system, link.side).law, physics.energy(system)
-            )
+            contacts = contacts + _on_beads(system, link, reached)
+        elif link.kind == "wall":
+            wall = next(wall for wall in system.walls if wall.side == link.side)
+            reached = dashpot.at_max_strain(link.law, wall.law, physics.energy(system))
+            contacts = contacts + _on_beads(system, link, reached)
         else:
-            graph = largest_eigenvalue(link, system.chains) if isinstance(link, Across) else 1.0
+            graph = largest_eigenvalue(link, system.chains) if link.edges else 1.0
             others += graph * float(np.max(dashpot.resistance(link.law, 0.0)))
     return float(np.max(contacts / system.mass)) + others / float(np.min(system.mass)) + braked
 
 
 def _contacts(system: System) -> float:
     if physics.alike(system):
-        wall = max((laws.stiffest(link.law, physics.energy(system)) for link in physics.walls(system)), default=0.0)
+        wall = max((laws.stiffest(link.law, physics.energy(system)) for link in system.walls), default=0.0)
         contacts = sum(4.0 * laws.stiffest(link.law, physics.energy(system)) for link in system.along)
         # a bead at the end has one contact, and a wall
-        return max(contacts, 0.5 * contacts + wall) if physics.walls(system) else contacts
+        return max(contacts, 0.5 * contacts + wall) if system.walls else contacts
     return _of_lightest(system, lambda law: laws.stiffest_of_each(law, physics.energy(system)))
 
 
 def _of_lightest(system: System, stiffness: Callable[[Law], Any]) -> float:
     """Largest sum of the stiffnesses of a bead's contacts, twice for both, and wall, over its mass."""
-    total = sum(_on_beads(system, stiffness(link.law)) for link in system.along)
-    for wall in physics.walls(system):
-        total += stiffness(wall.law)
+    total = sum(_on_beads(system, link, stiffness(link.law)) for link in (*system.along, *system.walls))
     return float(np.max(total / system.mass))
 
 
-def _on_beads(system: System, contact: Any) -> NDArray[np.float64]:
-    """Bound on what the contacts do to each bead's motion, [chain, bead]: twice the sum of both."""
+def _on_beads(system: System, link: Links, values: Any) -> NDArray[np.float64]:
+    """Bound on what links along the chains do to each bead's motion, [chain, bead].
+
+    It is twice the sum of contacts with other beads, and once that of contacts with walls.
+    """
     total = np.zeros((system.chains, system.beads))
-    for side in (slice(1, None), slice(None, -1)):
-        total[:, side] += 2.0 * np.broadcast_to(contact, (system.chains, system.beads - 1))
+    for beads, _ in link.ends:
+        total[:, beads.rows] += len(link.ends) * np.asarray(values)
     return total
 
 
 def _springs(system: System) -> float:
     across = (_row(system, link) for link in system.couplings)
-    held = (laws.stiffest(link.law, physics.energy(system)) for link in physics.ground_springs(system))
+    held = (laws.stiffest(link.law, physics.energy(system)) for link in system.ground)
     return sum((*across, *held), 0.0) / float(np.min(system.mass)) + _ties(system)
 
 
@@ -145,7 +146,7 @@ def _ties(system: System) -> float:
     return _at_ends(system, system.ties, stiffest)
 
 
-def _at_ends(system: System, links: tuple[Across, ...], values: list[Any]) -> float:
+def _at_ends(system: System, links: tuple[Links, ...], values: list[Any]) -> float:
     """Largest sum over both ends of a link of the values of all links there over the mass (Anderson & Morley 1985)."""
     if not links:
         return 0.0
@@ -162,7 +163,7 @@ def _at_ends(system: System, links: tuple[Across, ...], values: list[Any]) -> fl
     )
 
 
-def _row(system: System, link: Across) -> float:
+def _row(system: System, link: Links) -> float:
     """Largest eigenvalue of a row of beads on links across, each as stiff as energy can make it anywhere."""
     if not laws.differs(link.law):
         return laws.stiffest(link.law, physics.energy(system)) * largest_eigenvalue(link, system.chains)

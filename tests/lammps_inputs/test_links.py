@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from lammps_inputs.laws.spring import Linear
-from lammps_inputs.links import Across, largest_eigenvalue
+from lammps_inputs.links import Links, largest_eigenvalue
 
 RING = ((0, 1), (0, 3), (1, 2), (2, 3))
 
 
 def open_row(chains):
-    return Across("springs", Linear(1.0), edges=tuple((chain, chain + 1) for chain in range(chains - 1)))
+    return Links.across("springs", Linear(1.0), edges=tuple((chain, chain + 1) for chain in range(chains - 1)))
 
 
 @pytest.mark.parametrize("chains", [1, 2, 3, 4, 10, 57])
@@ -23,12 +23,12 @@ def test_any_row_of_chains_stays_below_4():
 
 
 def test_a_ring_of_four_has_eigenvalue_4():
-    assert largest_eigenvalue(Across("springs", Linear(1.0), edges=RING), 4) == pytest.approx(4.0, abs=1e-14)
+    assert largest_eigenvalue(Links.across("springs", Linear(1.0), edges=RING), 4) == pytest.approx(4.0, abs=1e-14)
 
 
 @pytest.mark.parametrize("edges", [((0, 1), (1, 2), (2, 3)), RING], ids=["open", "ring"])
 def test_the_force_across_is_the_slope_of_the_energy(edges):
-    link = Across("springs", Linear(0.3), edges=edges)
+    link = Links.across("springs", Linear(0.3), edges=edges)
     displacement = np.random.default_rng(1).normal(size=(4, 3))
     force, h = np.zeros_like(displacement), 1e-5
     link.drive(force, link.force(displacement))
@@ -41,7 +41,7 @@ def test_the_force_across_is_the_slope_of_the_energy(edges):
 
 @pytest.mark.parametrize("edges", [((0, 1), (1, 2), (2, 3)), RING], ids=["open", "ring"])
 def test_the_chains_shares_of_the_energy_add_up(edges):
-    link = Across("springs", Linear(0.3), edges=edges)
+    link = Links.across("springs", Linear(0.3), edges=edges)
     displacement = np.random.default_rng(2).normal(size=(5, 4, 3))
     total = np.zeros((5, 4))
     link.add_chain_energy(total, link.energy(displacement))

@@ -48,15 +48,6 @@ def test_a_list_of_all_beads_is_all_beads():
     assert ALL.only(range(1, 21)) == ALL
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_twice_in_the_mirror_rows_are_themselves(kind):
-    assert KINDS[kind].mirrored().mirrored() == KINDS[kind]
-
-
-def test_beads_in_the_mirror_ascend():
-    assert KINDS["some"].mirrored().listed == (1, 14, 18)
-
-
 @pytest.mark.parametrize(
     ("first", "second", "shared"),
     [

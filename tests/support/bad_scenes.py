@@ -121,7 +121,7 @@ _YAML = [
     BadScene("deep mapping", "{a: " * 5_000, "", "nested too deeply"),
     BadScene("object of Python", scene_text(name="!!python/object/apply:os.system [ls]"), "line 1", "tags"),
     BadScene("tag on nothing", scene_text(gap='!!int ""'), "line 5", "tags"),
-    BadScene("number as key", scene_text() + "3: 4\n", "line 5", "plain words"),
+    BadScene("number as key", scene_text() + "1.5: 4\n", "line 5", "plain words"),
     BadScene(
         "decimal comma between braces",
         scene_text() + "coupling: {model: linear, stiffness: 0,1}\n",
@@ -168,7 +168,7 @@ _TYPES = [
     _changed("sexagesimal", "duration:", "number, '1:30' given", duration="1:30"),
     _changed("hexadecimal", "duration:", "number, '0x10' given", duration="0x10"),
     _changed("underscored", "duration:", "number, '1_000' given", duration="1_000"),
-    _changed("list for a number", "gap:", "number, [1, 2] given", gap="[1, 2]"),
+    _changed("list for a number", "duration:", "number, [1, 2] given", duration="[1, 2]"),
     _changed("list for a name", "name:", "text, ['a'] given", name="[a]"),
     _changed("number for a name", "name:", "text, 7 given", name="7"),
     _changed("number for a coupling", "coupling:", "such as `coupling: {stiffness: 0.1}`, 0.1", coupling="0.1"),
@@ -407,6 +407,7 @@ _UNLIKE_ENDS = {
     "kinds": {"heavy": {}, "light": {"mass": 0.5, "stiffness": 2.0}},
     "pattern": [["heavy", "heavy", "light", "light"], ["light", "light", "heavy", "heavy"]],
 }
+_GAPS = {"contacts": {"1": 0.1}}
 _FOR_SPHERES = "the contact constant of such a wall is known for spheres, of exponent 1.5, not 2"
 
 REFUSED = [
@@ -414,7 +415,7 @@ REFUSED = [
     _refused("contact.exponent: should be less than or equal to 3, 3.1 given", contact={"exponent": 3.1}),
     _refused("contact.stiffness: is missing", contact={"exponent": 2.0}, material=_SI),
     _refused("contact.stiffness: the material determines", material=_SI, contact={"exponent": 1.5, "stiffness": 1e9}),
-    _refused("contact.exponent: 2 given; how the contacts of beads of unlike radius", **_SQUARE, taper=0.02),
+    _refused("contact.exponent: how the contacts of beads of unlike radius", **_SQUARE, taper=0.02),
     _refused("contact: contacts of an exponent below 1.5 open", contact={"exponent": 1.2}, scheme="suzuki4"),
     _tied("stiffness: is missing"),
     _tied("topology.lattice: 2 x 2 places for 3 chains", stiffness=0.1, topology={"lattice": [2, 2]}),
@@ -538,17 +539,21 @@ REFUSED = [
     _refused("kick: one bead is kicked twice", striker={"mass": 2.0, "velocity": 1.0}),
     _exponents("contact.exponent: 2 numbers for the 11 contacts of 12 beads", contact={"exponent": [1.5, 1]}),
     _exponents("contact.exponent[2]: should be less than or equal to 3, 5 given", contact={"exponent": [1.5, 5]}),
-    _exponents("contact.exponent: should be a number", contact={"exponent": {"from": 1}}),
+    _exponents("contact.exponent: should be a number, 'x' given", contact={"exponent": "x"}),
+    _exponents("contact.exponent.to: is missing beside from", contact={"exponent": {"from": 1.0}}),
+    _exponents("contact.exponent.spred: unknown key (did you mean `spread`?)", contact={"exponent": {"spred": 0.1}}),
     _exponents(
-        "contact.stiffness: is known for contacts of one", contact={"exponent": [1.5] * 10 + [1.0], "stiffness": 2}
+        "contact.exponent: goes from 0.752235 to 2.21019; from 1 to 3", contact={"exponent": {"spread": 0.5, "seed": 3}}
+    ),
+    _exponents(
+        "contact.stiffness: is no key of contacts of several exponents",
+        contact={"exponent": [1.5] * 10 + [1.0], "stiffness": 2},
     ),
     _exponents("material: is known for contacts of one exponent", material=_SI),
     _exponents("walls: is known for contacts of one exponent", walls={"right": "bead"}),
     _exponents("precompression: is known for contacts of one exponent", precompression={"force": 0.1}),
     _exponents("damping.law: is known for contacts of one", damping={"contact": 0.1, "law": "viscoelastic"}),
-    _exponents(
-        "contact.exponent: a list given; how the contacts", kinds={"a": {"radius": 2.0}, "b": {}}, pattern=["a", "b"]
-    ),
+    _exponents("contact.exponent: how the contacts", kinds={"a": {"radius": 2.0}, "b": {}}, pattern=["a", "b"]),
     _graded(": names nothing; valid: `strength: {from: 1, to: 4", {}),
     _graded(": should be greater than 0, 0.0 given", 0.0),
     _graded(": should be a number, 'x' given", "x"),
@@ -563,6 +568,18 @@ REFUSED = [
     _graded(": 3 lists for 2 chains; one, or one for each", [[1.0] * 11 for _ in range(3)]),
     _graded(": the contact strength goes from 1 to 1e+07 of the", {**_RAMP, "to": 1e7}),
     _refused("window: its rows represent one row after another", contact={"strength": _RAMP}, **_WINDOW),
+    _refused("gap: 2 numbers for the 11 contacts of 12 beads", gap=[0.1, 0.2]),
+    _refused("gap: should be a number, 'x' given", gap="x"),
+    _refused("gap: give either contacts or mean (neither is given); valid: `gap: {mean: 0.1", gap={}),
+    _refused("gap: give either contacts or mean (both are given)", gap={**_GAPS, "mean": 0.1}),
+    _refused("gap.spread: is missing beside mean", gap={"mean": 0.1}),
+    _refused("gap.mean: is missing beside seed", gap={**_GAPS, "seed": 2}),
+    _refused("gap.contacts: 12 is outside the chain (contacts 1 to 11)", gap={"contacts": {"12": 0.1}}),
+    _refused("gap.contacts: should hold numbers of contacts and their gaps", gap={"contacts": {"one": 0.1}}),
+    _refused("gap.contacts.1: should be greater than or equal to 0, -0.1 given", gap={"contacts": {"1": -0.1}}),
+    _refused("window: its rows represent one row after another, and the gaps differ", gap=_GAPS, **_WINDOW),
+    _refused("gap: beads under a static load touch", gap=_GAPS, precompression={"force": 0.1}),
+    _refused("kick: none ever closes the gap", gap=_GAPS, kick={"bead": 1, "velocity": -1.0}),
     _refused("contact: names nothing; valid: `contact: {exponent: 2}`", contact={}),
     _yields("contact.yield.overlap: should be greater than 0, 0.0 given", {"overlap": 0.0}),
     _yields("contact.yield.overlap: should be", {"overlap": "nan"}),
@@ -599,7 +616,7 @@ REFUSED = [
         {"overlap": 0.1},
         output={"beads": [3, 4], "forces": {"contacts": [3]}},
     ),
-    _yields("contact.yield: contact.force is the whole force", {"overlap": 0.1}, force="s^2"),
+    _yields("contact.yield: is no key of contacts of a force by formula", {"overlap": 0.1}, force="s^2"),
     _refused(
         "contact: other contacts than spheres, which alone yield by material.yield_strength",
         contact={"exponent": 2.0, "stiffness": 1e9},

@@ -75,6 +75,12 @@ TABLE = [[1, 2, -0.4, 0.1], [2, 8, 0.2, 0.0], [3, 5, 0.3, -0.2], [4, 1, -0.3, 0.
 CASES: dict[str, dict[str, Any]] = {
     "one chain": {"chains": 1, "coupling": None},
     "gap": {"gap": 0.3},
+    "gaps that differ, walls": {"gap": [0.1, 0.0, 0.4, 0.2, 0.0, 0.5, 0.1], **WALLS},
+    "random gaps, damping linear": {
+        "gap": {"mean": 0.3, "spread": 0.8, "seed": 2},
+        "coupling": None,
+        "damping": {"contact": 0.2},
+    },
     "coupling from a row on": {"coupling": {"stiffness": 0.5, "rows": [3, 8]}},
     "ramp": {"chains": 3, "coupling": {"stiffness": {"from": 0.0, "to": 0.9, "rows": [2, 7]}}},
     "ring": {"chains": 4, "coupling": {"stiffness": 0.4, "topology": "ring"}},
@@ -233,7 +239,7 @@ def in_units(name: str, velocity: float, material: dict[str, float] | None = Non
     formula |= {"A": unit.force * unit.length**4, "a": unit.force / unit.length**1.5}
     springs = {**formula, "stiffness": spring, "cubic": unit.stiffness / unit.length**2}
     worth = {
-        "gap": unit.length,
+        "gap": {"": unit.length, "mean": unit.length},
         "contact": formula,
         "coupling": {**springs, "topology": {"edges": (1, 1, unit.stiffness)}},
         "foundation": {**springs, "modulation": {"frequency": 1.0 / unit.time}},

@@ -13,16 +13,29 @@ from pydantic import BaseModel
 
 from lammps_inputs import materials, references, schema
 from lammps_inputs.deck_atoms import DeckAtoms
-from lammps_inputs.ingredients import contact, coupling, foundation, initial, plastic, unequal
+from lammps_inputs.ingredients import coupling, foundation, initial, plastic, profile, unequal
+from lammps_inputs.ingredients.contact import Contact
+from lammps_inputs.ingredients.contacts.power import PowerContact
 from lammps_inputs.ingredients.registry import INGREDIENTS
 from lammps_inputs.output import Forces, Limits, Output, Spectra
 from lammps_inputs.scene import Kick, Material, Scene
 from lammps_inputs.units import Unit
 
-_TYPES: list[type[BaseModel]] = [Material, Kick, Output, Forces, Spectra, Limits, coupling.Ramp, contact.Profile]
+_TYPES: list[type[BaseModel]] = [
+    Material,
+    Kick,
+    Output,
+    Forces,
+    Spectra,
+    Limits,
+    coupling.Ramp,
+    profile.Profile,
+    profile.Gaps,
+]
 _TYPES += [DeckAtoms, initial.LastFrame]
 _TYPES += [foundation.GroundRamp, foundation.Modulation, plastic.Yield]
-_TYPES += [unequal.BeadKind, unequal.Replacement, unequal.Disorder, unequal.Striker, *INGREDIENTS.values()]
+_TYPES += [unequal.BeadKind, unequal.Replacement, unequal.Disorder, unequal.Striker]
+_TYPES += [kind for ingredient in INGREDIENTS.values() for kind in ingredient.kinds()]
 PARTS = {model.__name__: model for model in _TYPES}
 """Types whose keys have a table, by name."""
 
@@ -70,6 +83,9 @@ def table(name: str) -> str:
     chosen = list(model.model_fields) if name in PARTS else name.split()
     if model is unequal.Striker:
         chosen = [key for key in chosen if key not in unequal.BeadKind.model_fields]
+    if issubclass(model, Contact) and model is not PowerContact:  # whose table is above the others
+        shared = PowerContact.model_fields
+        chosen = [key for key in chosen if key not in shared or str(model.model_fields[key]) != str(shared[key])]
     described, meaning = schema.of(model, name), meanings(model)
     defs = described.get("$defs", {})
     # of a part that may be a number, too, its keys
@@ -122,8 +138,9 @@ def _valid(spelled: dict[str, Any], defs: dict[str, Any]) -> str:
         return ", ".join(f"`{_value(value)}`" for value in spelled.get("enum", [spelled.get("const")]))
     kind = spelled.get("type")
     if kind == "object":
-        keys = spelled.get("properties")
-        return f"`{{{', '.join(keys)}}}`" if keys else "`{name: kind}`"
+        keys, values = spelled.get("properties"), spelled.get("additionalProperties")
+        by_number = isinstance(values, dict) and values.get("type") == "number"
+        return f"`{{{', '.join(keys)}}}`" if keys else "`{contact: gap}`" if by_number else "`{name: kind}`"
     if kind == "array":
         prefix = spelled.get("prefixItems")
         if prefix:

@@ -86,7 +86,9 @@ def _draw_more(chance: random.Random, number: int | str) -> Scene:
     output: dict[str, Any] = {"every": 0.5}
     if chance.random() < 0.3:
         output |= {"beads": sorted(chance.sample(range(1, beads + 1), 2))}
-    more |= {"gap": chance.choice([0.0, 0.0, chance.uniform(0.1, 3.0)]), "duration": chance.uniform(15.0, 60.0)}
+    gaps = [chance.choice([0.0, chance.uniform(0.1, 2.0)]) for _ in range(beads - 1)]
+    gap = chance.choice([0.0, 0.0, chance.uniform(0.1, 3.0), gaps])
+    more |= {"gap": gap, "duration": chance.uniform(15.0, 60.0)}
     more |= {"scheme": chance.choice([None, None, "suzuki4"]), "output": output, "kick": kicks}
     return Scene.model_validate({"name": f"scene-{number}", "chains": chains, "beads": beads, **more})
 
@@ -98,6 +100,9 @@ def _draw_lossy(chance: random.Random, number: int | str) -> Scene:
     exponent = chance.choice([1.5, 1.5, 1.0, 1.25, 2.0, 3.0])
     if exponent != 1.5:
         more["contact"] = {"exponent": exponent}
+    elif chance.random() < 0.2:
+        profile = {"spread": chance.uniform(0.01, 0.3), "seed": chance.randint(0, 9)}
+        more["contact"] = chance.choice([{"exponent": profile}, {"strength": profile}])
     if chains > 1:
         more["coupling"] = {"stiffness": 10.0 ** chance.uniform(-3.0, 0.3)}
     if chance.random() < 0.3:

@@ -61,8 +61,7 @@ def _units(scene: Scene, velocity: float) -> Units:
     if ball is not None:
         mass = 4.0 / 3.0 * math.pi * ball.radius**3 * ball.density
         constant = ball.youngs_modulus * math.sqrt(2.0 * ball.radius) / (3.0 * (1.0 - ball.poisson_ratio**2))
-    if scene.contact is not None and scene.contact.stiffness is not None:
-        constant = scene.contact.stiffness
+    constant = _of_contact(scene, "stiffness") or constant
     if (law := formula(scene, "contact")) is not None:
         constant, p = law.first
     return Units(mass, (mass * velocity**2 / constant) ** (1.0 / (p + 1.0)), velocity)
@@ -81,8 +80,13 @@ def _speeds(scene: Scene) -> list[float]:
 
 def exponent(scene: Scene) -> float:
     """By which lengths are measured."""
-    given = 1.5 if scene.contact is None else scene.contact.exponent
-    return 1.5 if isinstance(given, tuple) else float(given)
+    given = _of_contact(scene, "exponent")
+    return given if isinstance(given, float) else 1.5
+
+
+def _of_contact(scene: Scene, key: str) -> Any:
+    """What the contacts have under a key; None where their law has no such key, or the scene names none."""
+    return getattr(scene.contact, key, None)
 
 
 class Formula:
@@ -113,7 +117,7 @@ class Formula:
 
 def formula(scene: Scene, key: str) -> Formula | None:
     part = getattr(scene, key)
-    return None if part is None or part.force is None else Formula(part, key == "contact")
+    return None if getattr(part, "force", None) is None else Formula(part, key == "contact")
 
 
 def kicks(scene: Scene) -> list[tuple[int, int, float]]:
@@ -173,11 +177,17 @@ def beads_of(scene: Scene) -> tuple[Floats, Floats, Floats]:
 
 def along(scene: Scene) -> Floats:
     """Factors on the strengths of the contacts by their place, [chain, contact]."""
-    given = None if scene.contact is None else scene.contact.strength
+    return by_contact(_of_contact(scene, "strength"), 1.0, scene)
+
+
+def by_contact(given: Any, default: float, scene: Scene) -> Floats:
+    """A number, a list or a profile, [chain, contact]; a default where there is none."""
     found = np.ones((scene.chains, scene.beads - 1))
     if given is None or isinstance(given, float | tuple):
-        return found * (1.0 if given is None else given)
+        return found * (default if given is None else given)
     keys = given.model_dump(exclude_none=True)
+    if "amplitude" not in keys:
+        found *= keys.get("mean", 1.0 if "to" in keys else default)
     for i in range(1, scene.beads):
         if "to" in keys:
             first, last = keys["contacts"]
@@ -185,10 +195,25 @@ def along(scene: Scene) -> Floats:
             found[:, i - 1] *= keys["from"] + share * (keys["to"] - keys["from"])
         if "amplitude" in keys:
             angle = 2.0 * math.pi * keys["wavenumber"] * i + math.radians(keys.get("phase", 0.0))
-            found[:, i - 1] *= keys.get("mean", 1.0) + keys["amplitude"] * math.cos(angle)
+            found[:, i - 1] *= keys.get("mean", 1.0 if "to" in keys else default) + keys["amplitude"] * math.cos(angle)
     if "spread" in keys:
         spread = keys["spread"]
         found *= np.random.default_rng(keys.get("seed", 1)).uniform(1.0 - spread, 1.0 + spread, found.shape)
+    return found
+
+
+def gaps(scene: Scene) -> Any:
+    """Clear distances of neighbours in the scene's units: a number, or [chain, contact]."""
+    given, found = scene.gap, np.zeros((scene.chains, scene.beads - 1))
+    if isinstance(given, float):
+        return given
+    if isinstance(given, tuple):
+        return found + np.array(given)
+    if given.mean is not None:
+        spread, seed = given.spread, 1 if given.seed is None else given.seed
+        return given.mean * np.random.default_rng(seed).uniform(1.0 - spread, 1.0 + spread, found.shape)
+    for contact, gap in given.contacts.items():
+        found[:, int(contact) - 1] = gap
     return found
 
 
@@ -316,8 +341,8 @@ def nature(scene: Scene) -> Nature:
     size = 2.0 * radius[:, 1:] * radius[:, :-1] / (radius[:, 1:] + radius[:, :-1])
     strength = 2.0 / (1.0 / modulus[:, 1:] + 1.0 / modulus[:, :-1]) * np.sqrt(size) * along(scene)
     powers: float | Floats = p
-    if scene.contact is not None and isinstance(scene.contact.exponent, tuple):
-        powers = np.array(scene.contact.exponent) * np.ones_like(strength)
+    if not isinstance(_of_contact(scene, "exponent"), float | None):
+        powers = by_contact(scene.contact.exponent, 1.5, scene)
         strength = strength * unit.length ** (powers - p)
     load = loads(scene, mass + sum(kind[0] for kind in _resonators(scene)))
     loss = _losses(scene, mass, strength)
@@ -346,7 +371,8 @@ def nature(scene: Scene) -> Nature:
     damping, dashpot = scene.damping, unit.force / unit.velocity
     own = Nature(
         exponent=powers,
-        gap=scene.gap / unit.length,
+        gap=gaps(scene) / unit.length,
+        wall_gap=scene.gap / unit.length if isinstance(scene.gap, float) else 0.0,
         mass=mass,
         strength=strength,
         rest=(load[:, 1:-1] / strength) ** (1.0 / powers),
@@ -392,6 +418,8 @@ def _with_resonators(scene: Scene, own: Nature) -> Nature:
         inner += [(j, number * chains + j, spring[j], dashpot[j]) for j in range(chains)]
     more = [[0, chains * len(scene.resonators)], [0, 0]]
     wide = {name: np.pad(getattr(own, name), more) for name in ("strength", "rest", "hold", "start")}
+    if np.ndim(own.gap):
+        wide["gap"] = np.pad(own.gap, more)
     coefficient, power = own.loss
     return replace(
         own,

@@ -107,7 +107,8 @@ class Nature:
     """
 
     exponent: float | Floats
-    gap: float
+    gap: float | Floats
+    wall_gap: float
     mass: Floats
     strength: Floats
     rest: Floats
@@ -151,9 +152,9 @@ class Nature:
 
     def at_wall(self, wall: Wall, x: Floats, v: Floats) -> Floats:
         """Force of a wall, [..., chain], that at rest and the dashpots' included."""
-        closed = np.maximum(wall.rest + wall.side * x[..., wall.bead] - self.gap, 0.0)
+        closed = np.maximum(wall.rest + wall.side * x[..., wall.bead] - self.wall_gap, 0.0)
         if "contact" in self.formulas:
-            return np.asarray(self.formulas["contact"](wall.side * x[..., wall.bead] - self.gap))
+            return np.asarray(self.formulas["contact"](wall.side * x[..., wall.bead] - self.wall_gap))
         push = wall.strength * _power(closed, self.exponent)
         if self._has["loss"]:
             loss = np.where(closed > 0.0, wall.loss * closed ** self.loss[1], 0.0)

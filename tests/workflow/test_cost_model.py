@@ -12,7 +12,7 @@ from lammps_inputs import library
 from lammps_inputs.deck_lines import DeckLines
 from lammps_inputs.decks import deck
 from lammps_inputs.laws import Law, Pure, formula
-from lammps_inputs.links import Across, Along, Ground
+from lammps_inputs.links import Links
 from workflow import cost_model
 from workflow.cost_model import formula_seconds, step_seconds
 from workflow.engines.lammps import worker
@@ -114,11 +114,15 @@ def test_a_step_takes_the_estimated_time_within_a_factor_of_three(kind, tmp_path
 @pytest.mark.parametrize(
     "links",
     [
-        (Along("contacts", Short(1.0)),),
-        (Along("contacts", Long(1.0)),),
-        (Ground("bed", Bed(0.1)),),
-        (Across("tie", Tie(0.1), edges=((0, 1),)),),
-        (Along("contacts", Short(1.0)), Ground("bed", Bed(0.1)), Across("tie", Tie(0.1), edges=((0, 1),))),
+        (Links.along("contacts", Short(1.0)),),
+        (Links.along("contacts", Long(1.0)),),
+        (Links.ground("bed", Bed(0.1)),),
+        (Links.across("tie", Tie(0.1), edges=((0, 1),)),),
+        (
+            Links.along("contacts", Short(1.0)),
+            Links.ground("bed", Bed(0.1)),
+            Links.across("tie", Tie(0.1), edges=((0, 1),)),
+        ),
     ],
     ids=["contacts", "long", "ground", "across", "all"],
 )

@@ -16,7 +16,7 @@ from analysis.tracking.peaks import find_peaks
 from lammps_inputs import file_names, find
 from lammps_inputs.decks import deck
 from lammps_inputs.laws.spring import Duffing, Linear
-from lammps_inputs.links import Across
+from lammps_inputs.links import Links
 from workflow.engines.reference.engine import run as trajectory
 from workflow.prepare.settings import settle
 from workflow.runs.run import run
@@ -111,7 +111,7 @@ def test_the_end_at_a_bead_waits_only_for_chains_that_are_tied():
 def test_two_kinds_of_springs_between_chains_act_together_in_the_deck(second, tmp_path):
     problem = scene("ramp", chains=3, timestep=0.01).problem()
     system = problem.system
-    links = (*system.links, Across("second", second, edges=((0, 2),)))
+    links = (*system.links, Links.across("second", second, edges=((0, 2),)))
     both = dataclasses.replace(problem, system=dataclasses.replace(system, links=links))
     for name, text in ((file_names.DECK, deck.render_deck(both)), (file_names.DATA, deck.render_data(both))):
         (tmp_path / name).write_text(text)

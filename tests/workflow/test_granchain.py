@@ -113,7 +113,7 @@ def test_every_name_of_the_module_is_there_and_has_a_docstring():
 
 def test_functions_have_the_names_of_commands_but_for_those_that_no_command_has():
     functions = {name for name in dir(granchain) if isinstance(getattr(granchain, name), FunctionType)}
-    assert functions - set(COMMANDS) == {"load", "open", "plot", "resume", "statistics", "universe"}
+    assert functions - set(COMMANDS) == {"load", "open", "plot", "resume", "statistics", "trace_file", "universe"}
 
 
 def test_what_a_scene_leaves_open_is_found(tmp_path):

@@ -96,7 +96,8 @@ def _print(scene: Scene, problem: Problem, size: str, warnings: list[str], step:
     print(f"# {scene.units}")
     if scale.si:
         print(f"# the unit of force is m L / T^2 = {scale.short(1.0, 'force')}")
-    if physics.gap(system) > 0.0 and physics.coupled(system) and physics.simply_coupled(system):
+    gapped = physics.gap(system) > 0.0 and physics.one_gap(system)
+    if gapped and physics.coupled(system) and physics.simply_coupled(system):
         kappa = physics.kappa(system)
         theta, gap = closing.theta(kappa, physics.gap(system)), scale.written(closing.gap_of_eq_5(kappa), "length")
         print(f"# theta = omega D / V = {theta:.6g}, omega = sqrt(2 kappa): all that rigid beads depend on;")

@@ -4,11 +4,13 @@ import argparse
 import json
 from pathlib import Path
 
+from analysis.files.traces import TraceFile
 from lammps_inputs import InputError, library
 from workflow.formats import figure_files
 from workflow.runs import run as running
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import CommandResult, one_line, print_files, print_heading, print_table, progress_bar
+from workflow.study_kit import options
 from workflow.verdicts import validate as validation
 from workflow.verdicts import validation_tables as tables
 from workflow.verdicts.validate_against import run_or_file, validate_against
@@ -20,6 +22,7 @@ EXAMPLES = (
     "validate demo",
     "validate again --against demo   # another run of the same scene",
     "validate demo --against mine.csv --units dimensionless --tolerance velocity=1e-4   # in V",
+    'validate demo --against scope.csv --columns "time=TIME,force_wall_right (V)=CH1" --gain CH1=20.5 --offset=-120e-6',
 )
 
 
@@ -40,6 +43,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="scene",
         help="units of FILE: the scene's own (default), or those in which V = 1",
     )
+    options.add_traces(parser, free=False)
+    parser.add_argument(
+        "--offset", metavar="TIME", type=float, help="by how much times of traces are later than the run's (default 0)"
+    )
     parser.add_argument(
         "--tolerance",
         metavar="QUANTITY=VALUE",
@@ -58,13 +65,15 @@ def _write_nothing(_directory: RunDirectory, _comparison: validation.Validation,
 def execute(arguments: argparse.Namespace) -> CommandResult:
     """Print a table; exit code 1 when a tolerance is exceeded or something seems wrong."""
     tolerances = _tolerances(arguments.tolerance)
-    against = None if arguments.against is None else run_or_file(arguments.against)
+    against = _against(arguments)
     directory = _directory(arguments, against)
     if against is None:
         comparison = validation.validate(directory, tolerances)
     else:
         dimensionless = arguments.units == "dimensionless"
-        comparison = validate_against(directory, against, dimensionless=dimensionless, tolerances=tolerances)
+        comparison = validate_against(
+            directory, against, dimensionless=dimensionless, tolerances=tolerances, offset=arguments.offset
+        )
     if arguments.output is None:  # else it was printed before the scene was run
         print_heading(comparison.problem.name, directory.scene.units)
     _print(comparison)
@@ -75,7 +84,21 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     return CommandResult(0 if comparison.passed else 1, data)
 
 
-def _directory(arguments: argparse.Namespace, against: RunDirectory | Path | None) -> RunDirectory:
+def _against(arguments: argparse.Namespace) -> RunDirectory | TraceFile | Path | None:
+    """What to validate against; None for the reference.
+
+    Raises:
+        InputError: options of traces are given for something else.
+    """
+    against = None if arguments.against is None else run_or_file(arguments.against)
+    words = options.trace_words(arguments) + ["--offset"] * (arguments.offset is not None)
+    if words and not isinstance(against, Path):
+        raise InputError(f"{words[0].partition('=')[0]}: is for a file of traces (--against FILE)")
+    file = options.trace_file(arguments, free=False)
+    return file if file.described else against
+
+
+def _directory(arguments: argparse.Namespace, against: RunDirectory | TraceFile | Path | None) -> RunDirectory:
     """The run directory that was named, or that of the scene, which is run."""
     if Path(arguments.what).is_dir():
         if arguments.output is not None:

@@ -4,16 +4,18 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+from analysis.files.traces import TraceFile
 from analysis.tracking.leading_waves import Arrival
 from lammps_inputs import InputError, plugins
 from lammps_inputs.complaints import suggestion
 from workflow.checked import Between, checked
-from workflow.inputs import AnyRun, directory_of
+from workflow.inputs import AnyCompared, AnyRun, directory_of
+from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts import analysis_files
 from workflow.verdicts import validate as validating
 from workflow.verdicts.analyse import Analysis
 from workflow.verdicts.validate import Validation
-from workflow.verdicts.validate_against import run_or_file, validate_against
+from workflow.verdicts.validate_against import refuse_offset, run_or_file, validate_against
 
 
 @checked
@@ -68,17 +70,20 @@ def analyze(
 def validate(
     run: AnyRun,
     *,
-    against: AnyRun | None = None,
+    against: AnyCompared | None = None,
     units: Literal["scene", "dimensionless"] = "scene",
     tolerances: Mapping[str, Annotated[float, Between(0.0)]] | None = None,
+    offset: float | None = None,
 ) -> Validation:
     """Compare a run with an accurate reference, with another run of its scene, or with a table or traces of your own.
 
     Args:
         run: what to validate.
-        against: another run, or its directory, or a file of yours; the reference if omitted.
+        against: another run, or its directory, or a file of yours, also as `trace_file` describes it; the reference
+            if omitted.
         units: units of that file: the scene's, or those in which V, T and L are 1.
         tolerances: quantity -> tolerance in V, T and L, in place of the default, such as ``{"velocity": 1e-3}``.
+        offset: by how much the times of traces are later than the run's, in the file's units; 0 by default.
 
     Returns:
         The comparison, also written into the run's directory: ``validation.json``, or ``validation-against.json``.
@@ -99,9 +104,14 @@ def validate(
             raise InputError(f"tolerances: {name[:60]!r} given{hint}; of {', '.join(validating.TOLERANCES)}")
     directory = directory_of(run)
     if against is None:
+        refuse_offset(offset)
         return validating.validate(directory, limits)
-    other = run_or_file(Path(against)) if isinstance(against, str | Path) else directory_of(against)
-    return validate_against(directory, other, dimensionless=units == "dimensionless", tolerances=limits)
+    other: RunDirectory | TraceFile | Path
+    if isinstance(against, TraceFile):
+        other = against
+    else:
+        other = run_or_file(Path(against)) if isinstance(against, str | Path) else directory_of(against)
+    return validate_against(directory, other, dimensionless=units == "dimensionless", tolerances=limits, offset=offset)
 
 
 @checked

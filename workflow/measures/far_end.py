@@ -172,7 +172,7 @@ class FarEndMeter(Meter[_FarFrames, Transmitted]):
         """Whether forces from outside act on the last tenth of the beads."""
         system = self.problem.system
         beads = [load.bead for load in system.loads] + [prescribed.bead for prescribed in system.motions]
-        if physics.weights(system) or physics.varying(system):
+        if system.weights or physics.varying(system):
             return True
         return any(self._rows.start < bead <= self._rows.stop for bead in beads)
 

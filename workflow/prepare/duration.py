@@ -84,14 +84,15 @@ def _limit(scene: Scene, wall: bool, slowness: float) -> float:
     assert scene.until_bead is not None
     last = scene.until_bead if _far(scene, wall) is None else max(scene.until_bead, scene.beads)
     pushed = max((load.end for load in scene.system.loads if not load.endless), default=0.0)
-    return slowness * (last + 10) * (1.0 + scene.gap / scene.scale.length) + pushed
+    return slowness * (last + 10) * (1.0 + physics.gap(scene.system)) + pushed
 
 
 def _with_duration(scene: Scene, wall: bool) -> Scene:
     """The scene with the duration that a trial finds."""
     assert scene.until_bead is not None
     # the reference integrates with the scene's own cadence, but records the few beads that matter
-    gap, system = scene.gap / scene.scale.length, scene.system
+    system = scene.system
+    gap = physics.gap(system)
     far = _far(scene, wall)
     cadence = 0.1 / rates.front_speed(system) if physics.loaded(system) else 0.1  # sound may be faster
     limit = _limit(scene, wall, _SLOWEST) * scene.scale.time

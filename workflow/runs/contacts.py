@@ -14,7 +14,7 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.unequal import radii, sizes_and_moduli, unlike
 from lammps_inputs.laws.plastic import YIELD_PRESSURE
 from lammps_inputs.limits import solids
-from lammps_inputs.links import Wall
+from lammps_inputs.links import Links
 from workflow.runs.run_directory import RunDirectory
 
 
@@ -78,9 +78,8 @@ def at_most(scene: Scene) -> LargestContactForce | None:
         if laws.differs(law)
         else solids.overlap_bounds(system)[1]
     )
-    energy, chain = physics.energy(system), np.arange(system.chains)
-    at_walls = (laws.at(link.law, chain, _place(link, system)) for link in physics.walls(system))
-    walls = [law.rest + law.max_strain(energy, *law) for law in at_walls]
+    at_walls = (link.law for link in system.walls)
+    walls = [_of_chains(law.rest + law.max_strain(physics.energy(system), *law), system) for law in at_walls]
     return _contacts(scene, high, walls, measured=False)
 
 
@@ -132,7 +131,7 @@ def _contacts(scene: Scene, overlap: Any, walls: Sequence[Any], *, measured: boo
     pressures = modulus * solids.peak_pressure(metres, ball.radius, ball.youngs_modulus, ball.poisson_ratio)
     force = float(np.max(laws.whole_force(scene.system.along[0].law, overlap))) * scene.scale.force
     pressure, approach = float(np.max(pressures)), float(np.max(metres)) / ball.radius
-    for link, at_wall in zip(physics.walls(scene.system), walls, strict=True):
+    for link, at_wall in zip(scene.system.walls, walls, strict=True):
         of_wall = _at_wall(scene, link, at_wall)
         force, pressure, approach = (max(*pair) for pair in zip((force, pressure, approach), of_wall, strict=True))
     return LargestContactForce(
@@ -145,25 +144,24 @@ def _contacts(scene: Scene, overlap: Any, walls: Sequence[Any], *, measured: boo
     )
 
 
-def _at_wall(scene: Scene, link: Wall, overlap: Any) -> tuple[float, float, float]:
+def _at_wall(scene: Scene, link: Links, overlap: Any) -> tuple[float, float, float]:
     """Largest force (N), pressure (Pa) and overlap over the bead's radius at a wall, by the overlaps [chain].
 
     The pressure in the middle is ``3 F / (2 pi R* overlap)`` (Johnson, eq. 4.22-24). The relative radius R* is half the
     bead's radius where the wall is a bead, else the bead's: walls of which only the stiffness is known count as flat.
     """
     assert scene.material is not None
-    place = _place(link, scene.system)
-    chain = np.arange(scene.system.chains)
-    force = laws.whole_force(laws.at(link.law, chain, place), overlap) * scene.scale.force
-    of_beads = radii(scene.setting)[:, place] if unlike(scene.setting) else np.ones(len(chain))
+    (beads, _), *_ = link.ends
+    force = laws.whole_force(laws.at(link.law, slice(None), 0), overlap) * scene.scale.force
+    of_beads = radii(scene.setting)[:, beads.rows][:, 0] if unlike(scene.setting) else np.ones(len(overlap))
     radius = scene.material.radius * of_beads
     relative = 0.5 * radius if link.curved else radius
     metres = overlap * scene.scale.length
     area = 2.0 * math.pi * relative * metres
-    pressure = np.divide(3.0 * force, area, out=np.zeros(len(chain)), where=area > 0.0)
+    pressure = np.divide(3.0 * force, area, out=np.zeros(len(overlap)), where=area > 0.0)
     return float(np.max(force)), float(np.max(pressure)), float(np.max(metres / radius))
 
 
-def _place(link: Wall, system: System) -> int:
-    """Position of the beads that meet a wall, from 0."""
-    return system.beads - 1 if link.side > 0.0 else 0
+def _of_chains(values: Any, system: System) -> Any:
+    """Values at walls, a number or [chain, 1], as [chain]."""
+    return np.broadcast_to(values, (system.chains, 1))[:, 0]

@@ -129,19 +129,15 @@ class Engine(ABC):
         """Whether a run came to its end, and its error was measured if it has one."""
         return job.outcome == "done" and self.errors(job) is not None
 
-    def impulses(
-        self, path: Path, problem: Problem, direction: int = 1, until: float | None = None
-    ) -> "Impulses | None":
+    def impulses(self, path: Path, problem: Problem, until: float | None = None) -> "Impulses | None":
         """Impulses of contacts in a run whose frames hold no overlaps (`Fact.OVERLAPS`); None of all others.
 
         Args:
             path: directory of the run.
             problem: its problem.
-            direction: 1, or -1 for the impulses that beads receive from the bead ahead, with beads counted from the
-                last.
             until: time of the last contacts, in units of T; None for all.
         """
-        del path, problem, direction, until
+        del path, problem, until
         return None
 
     def other_parameters(self, path: Path, problem: Problem) -> list[str]:

@@ -1,7 +1,8 @@
 """Options that commands of several studies have, and the end of such a command where it is interrupted.
 
-Plug-ins take this module for their commands: `add_output` and `add_jobs` add options, `within` and `listed` are types
-of numbers, `split`, `both_ends` and `second_field` read words, `interrupted` is the result after Ctrl-C.
+Plug-ins take this module for their commands: `add_output`, `add_jobs` and `add_traces` add options, `within` and
+`listed` are types of numbers, `split`, `both_ends`, `second_field` and `trace_file` read words, `interrupted` is the
+result after Ctrl-C.
 
 Examples:
     >>> import argparse
@@ -25,6 +26,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
+from analysis.files.traces import FREE, Given, TraceFile
 from lammps_inputs import InputError, strict_yaml
 from lammps_inputs.units import Label
 from workflow.screen import CommandResult
@@ -45,6 +47,98 @@ def add_output(parser: argparse.ArgumentParser) -> None:
 def add_jobs(parser: argparse.ArgumentParser, words: str = "scenes at a time (default all cores)") -> None:
     """Add the option for the number of worker processes; None by default."""
     parser.add_argument("--jobs", metavar="N", type=within(int, 1, 1024), help=words)
+
+
+COLUMNS = '"time (us)=TIME,force_wall_right (V)=CH1"'
+"""Example of ``--columns``."""
+
+
+def add_traces(parser: argparse.ArgumentParser, *, free: bool) -> None:
+    """Add the options that say how a file of traces is to be read.
+
+    Args:
+        parser: parser of a command.
+        free: whether gains and baselines may be estimated.
+    """
+    or_free, example = (" or free", "CH1=20.5,CH2=free") if free else ("", "CH1=20.5")
+    parser.add_argument(
+        "--columns",
+        metavar="NAME=COLUMN,...",
+        help=f"columns of FILE by their headings or numbers (#4), with units where FILE has none: {COLUMNS}",
+    )
+    parser.add_argument(
+        "--skip", metavar="LINES", type=within(int, 0, 10**6), help="lines of FILE before the names of its columns"
+    )
+    parser.add_argument(
+        "--gain",
+        metavar="COLUMN=GAIN,...",
+        help=f"force (velocity, displacement) per unit of a column, such as N/V: {example}",
+    )
+    parser.add_argument(
+        "--baseline",
+        metavar="COLUMN=SIGNAL,...",
+        help=f"signal of a column at rest, in its unit{or_free}: force = gain (signal - baseline)",
+    )
+
+
+def trace_file(arguments: argparse.Namespace, *, free: bool) -> TraceFile:
+    """The file of traces in ``arguments.against``, as the options of `add_traces` describe it.
+
+    Args:
+        arguments: arguments of the command.
+        free: whether gains and baselines may be estimated.
+
+    Returns:
+        The file, which is not read.
+
+    Raises:
+        InputError: an option is no list of such pairs.
+    """
+    columns = {} if arguments.columns is None else _pairs(arguments.columns, "--columns", COLUMNS)
+    or_free = " or CH1=free" * free
+    gain = _calibrations(arguments.gain, "--gain", f"CH1=20.5{or_free}", free=free)
+    baseline = _calibrations(arguments.baseline, "--baseline", f"CH1=0.02{or_free}", free=free)
+    return TraceFile(arguments.against, columns, arguments.skip, gain, baseline)
+
+
+def _calibrations(text: str | None, option: str, example: str, *, free: bool) -> dict[str, Given]:
+    """Gains or baselines of columns by ``--gain CH1=20.5,CH2=free``.
+
+    Raises:
+        InputError: it is no such list.
+    """
+    given: dict[str, Given] = {}
+    for name, value in ({} if text is None else _pairs(text, option, example)).items():
+        given[name] = "free" if free and value == FREE else number(value, option, example)
+    return given
+
+
+def trace_words(arguments: argparse.Namespace) -> list[str]:
+    """Words of the options of `add_traces` that are given, for the same command elsewhere.
+
+    Args:
+        arguments: arguments of the command.
+
+    Returns:
+        Words such as ``--skip=5``.
+    """
+    given = {name: getattr(arguments, name) for name in ("columns", "skip", "gain", "baseline")}
+    return [f"--{name}={value}" for name, value in given.items() if value is not None]
+
+
+def _pairs(text: str, option: str, example: str) -> dict[str, str]:
+    """Pairs of ``NAME=VALUE,...``.
+
+    Raises:
+        InputError: it is no such list, or names one twice.
+    """
+    pairs: dict[str, str] = {}
+    for part in text.split(","):
+        name, value = split(part, option, example)
+        if name in pairs:
+            raise InputError(f"{option}: {name} is given twice")
+        pairs[name] = value
+    return pairs
 
 
 def within(kind: type[int] | type[float], low: float, high: float) -> Callable[[str], float]:

@@ -36,10 +36,10 @@ from lammps_inputs.ingredients.by_formula import ByFormula
 from lammps_inputs.ingredients.registry import INGREDIENTS, SEVERAL
 from lammps_inputs.units import Label, Unit
 
-_STEP = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)(?:\[([1-9][0-9]{0,5})\])?")
+_STEP = re.compile(r"([A-Za-z_][A-Za-z0-9_]*|[1-9][0-9]*)(?:\[([1-9][0-9]{0,5})\])?")
 
-_NAMED = ("kinds",)
-"""Keys that hold parts by names of the user's."""
+_NAMED = ("kinds", "gap.contacts")
+"""Keys that hold parts by names of the user's, or values by numbers of contacts."""
 
 Path = tuple[tuple[str, int | None], ...]
 """Key by key, each with the number of the list's entry (from 1) where one was given."""
@@ -61,8 +61,7 @@ def parse(text: str, scene: Mapping[str, Any] = MappingProxyType({})) -> Path:
     names = [*all_fields(Scene), *_parameters(scene)]
     matches = [_STEP.fullmatch(part) for part in text.split(".")] if len(text) <= 200 else []
     keys = [match[1] for match in matches if match]
-    if keys[:1] and keys[0] in _NAMED:
-        del keys[1:2]  # the name
+    keys = [key for place, key in enumerate(keys) if ".".join(keys[:place]) not in _NAMED]
     if not matches or not all(matches) or ".".join(keys) not in names:
         meant = [f"`{name}`" for name in _meant(text[:200], names, scene)]
         hint = f" (did you mean {' or '.join(meant)}?)" if meant else ""
@@ -85,7 +84,9 @@ def _parameters(scene: Mapping[str, Any]) -> list[str]:
     ]
 
 
-FORMULAS = {key: ingredient for key, ingredient in INGREDIENTS.items() if issubclass(ingredient, ByFormula)}
+FORMULAS = {
+    key: kind for key, ingredient in INGREDIENTS.items() for kind in ingredient.kinds() if issubclass(kind, ByFormula)
+}
 """Ingredients whose force may be a formula, with parameters beside it."""
 
 
@@ -124,10 +125,9 @@ def all_fields(model: type[BaseModel], above: str = "") -> tuple[str, ...]:
     paths: list[str] = []
     for name, field in model.model_fields.items():
         paths.append(f"{above}{name}")
-        part = complaints.model_in(field.annotation)
-        if part is not None:
+        for part in complaints.models_in(field.annotation):
             paths += all_fields(part, f"{above}{name}.")
-    return tuple(paths)
+    return tuple(dict.fromkeys(paths))
 
 
 def put(scene: dict[str, Any], path: Path, value: Any) -> dict[str, Any]:
@@ -287,6 +287,8 @@ def label(path: Path, scene: dict[str, Any]) -> Label:
     """
     keys = [key.replace("_", " ") for key, _ in path]
     names = [f"{key} {number}" for key, number in path if number is not None]
+    names += [f"contact {key}" for key in keys if key.isdigit()]
+    keys = [key for key in keys if not key.isdigit()]
     if keys[0] in _NAMED and len(keys) > 2:
         names, keys = [f"kind {path[1][0]}"], keys[2:]
     declared = [_declared_label(path[:count]) for count in range(1, len(path) + 1)]
@@ -303,15 +305,17 @@ def _declared_label(path: Path) -> Label | None:
 
 def _field(path: Path) -> FieldInfo | None:
     """Field at the end of a path; of a part that may be written as a number alone, the field of that number."""
-    model: type[BaseModel] | None = Scene
+    models: list[type[BaseModel]] = [Scene]
     last = None
     for key, _ in path:
-        by_key = {} if model is None else {field.alias or name: field for name, field in model.model_fields.items()}
-        if key in by_key:  # else a name of the user's
-            last = by_key[key]
-            model = complaints.model_in(last.annotation)
-    alone = model.alone if model is not None and issubclass(model, ScenePart) else None
-    return last if model is None or alone is None else model.model_fields[alone]
+        named = [
+            field for model in models for name, field in model.model_fields.items() if key == (field.alias or name)
+        ]
+        if named:  # else a name of the user's
+            last = named[0]
+            models = [model for field in named for model in complaints.models_in(field.annotation)]
+    alone = next((model for model in models if issubclass(model, ScenePart) and model.alone is not None), None)
+    return last if alone is None else alone.model_fields[str(alone.alone)]
 
 
 def _parts(declared: Any) -> list[Any]:

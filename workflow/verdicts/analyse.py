@@ -221,7 +221,7 @@ def measure(
         tolerances=allowed,
         arrival=arrival,
         counted=lambda blocks: exchange.counted(digested(blocks, digest)),
-        impulses=engine.impulses(directory.path, problem, problem.direction),
+        impulses=engine.impulses(directory.path, problem),
     )
     results = _without_errors_by_rounding(with_run_error(of_frames_alone, run.error), engine.rounded_from(run.job))
     conservation: Conservation = others["conservation"]

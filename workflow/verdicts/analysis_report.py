@@ -28,7 +28,7 @@ from analysis.sharing.verdict import DecayFit
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import Pulse, Train, train_of
 from analysis.tracking.undisturbed import clear_of_others
-from analysis.trajectory import Flags, Floats, mirrored_bead
+from analysis.trajectory import Flags, Floats, along_the_way
 from lammps_inputs import html, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.units import DIMENSIONLESS, Scale
@@ -232,9 +232,7 @@ def table_of(survey: Survey) -> WavesTable:
 def _energies(survey: Survey) -> tuple[Floats, Floats, Floats, Floats]:
     """Energies of chains and waves at each wave's passage, [wave], and the uncertainties of both; NaN if unknown."""
     waves, problem, energies = survey.waves, survey.problem, survey.energies
-    bead = survey.shared.bead[energies.place]
-    if survey.direction < 0:
-        bead = mirrored_bead(problem, bead)
+    bead = along_the_way(problem, survey.shared.bead[energies.place])
     shares = [energies.chain, energies.wave, energies.chain_error, energies.wave_error]
     tables = np.full((len(shares), problem.chains, problem.beads + 1), np.nan)
     for of_beads, share in zip(tables, shares, strict=True):

@@ -174,21 +174,31 @@ def _loaded(path: Path, problem: Problem, deck: DeckAtoms | None, *, dimensionle
 
 
 def validate_traces(
-    directory: RunDirectory, path: Path, *, dimensionless: bool = False, tolerances: dict[str, float] | None = None
+    directory: RunDirectory,
+    file: Path | traces.TraceFile,
+    *,
+    dimensionless: bool = False,
+    tolerances: dict[str, float] | None = None,
+    offset: float = 0.0,
 ) -> Validation:
     """Compare a run with traces in a file (`analysis.files.traces`); writes ``validation-against.json`` and a figure.
 
     Args:
         directory: the run.
-        path: the table, whose times are those of the run; zero before its start.
+        file: the table, whose traces are zero before the start of the run.
         dimensionless: whether the table is in units of V = 1; else it is in the scene's own units.
         tolerances: quantity -> largest difference let pass, in place of the one in `TOLERANCES`, dimensionless.
+        offset: by how much the table's times are later than the run's, in the table's unit of `dimensionless`.
 
     Raises:
         InputError: the table cannot be read, or is of chains, beads, walls or times that the run has not.
     """
     limits = {**TOLERANCES, **(tolerances or {})}
-    problem, measured = directory.problem, traces.load(path)
+    path = file if isinstance(file, Path) else file.path
+    problem, measured = directory.problem, traces.load(file)
+    if measured.signals:
+        raise InputError(f"{path}: its gain or baseline is to be estimated, which `granchain fit` does; give a number")
+    measured = replace(measured, time=measured.time - offset)
     if measured.units and (dimensionless or not problem.scale.si):
         raise InputError(f"{path}: names units, but is to be in others (the scene has no material, or --units)")
     channels.check(path, measured.channels, problem)

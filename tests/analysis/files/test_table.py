@@ -149,7 +149,7 @@ WRONG = {
         HEAD + "# mine\n\n0,1,1,1\n\n0,x,2,1\n",
         "line 6: column 'chain' holds 'x', which is no number",
     ),
-    "decimal comma": ("time;chain;bead;velocity\n0,0;1;1;0,5\n", "names no column"),
+    "decimal comma": ("time;chain;bead;velocity\n0,0;1;1;0,5\n", "decimal commas are not read"),
     "NaN": (HEAD + "0,1,1,1\n0,1,2,nan\n", "'velocity' holds nan in line 3"),
     "infinite": (HEAD + "0,1,1,-inf\n", "'velocity' holds -inf in line 2"),
     "overflow": (HEAD + "0,1,1,1e999\n", "'velocity' holds inf in line 2"),

@@ -72,7 +72,7 @@ def test_a_table_of_beads_is_a_trace_for_every_bead_that_it_has(tmp_path):
         ("time,force (N)\n0,1\n", "column 'force (N)': not known, or names no place; such as time, force_wall_right"),
         ("time,Kraft\n0,1\n", "holds no trace; columns are such as time, force_wall_right"),
         ("time,contact 3\n1,1\n0,1\n", "times are not ascending"),
-        ("time,contact 3\n0,1\n,2\n", "times are not ascending"),
+        ("time,contact 3\n0,1\n,2\n", "line 3 has no time in column 'time'"),
         ("time,contact 3\n0,inf\n", "holds inf in line 2"),
         ("time,contact 3\n0,\n1,\n", "holds nan in line 2"),
         ("time,contact 3\n0,high\n", "line 2: column 'contact 3' holds 'high', which is no number"),

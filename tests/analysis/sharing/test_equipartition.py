@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mirror import mirrored_problem
 from synthetic_waves import of_keys, problem, reference, surveyed
 
 from analysis.sharing.equipartition import Sharing, error_of_crossing, runs_exact_waves
 from analysis.sharing.impulses import measure
 from analysis.sharing.survey import Survey
 from analysis.sharing.verdict import SINGLE_CHAIN, EquipartitionState, expected_n_star, fit_decay, verdict_on
-from analysis.trajectory import mirrored_problem
 from lammps_inputs import Kick
 from workflow.engines.reference import engine
 
@@ -293,17 +293,6 @@ def test_a_known_decay_is_fitted_exactly(kappa, factor):
 
 def test_the_decay_law_is_not_fitted_where_chains_share():
     assert run(2, 0.1).decay is None
-
-
-def test_a_mirrored_scene_is_found_the_same():
-    trajectory = reference(2, 0.1, 80, 110.0, kicks=[Kick(bead=80, velocity=-1.0)])
-    straight = reference(2, 0.1, 80, 110.0)
-    mirror, plain = (surveyed(each) for each in (trajectory, straight))
-    assert (mirror.direction, plain.direction) == (-1, 1)
-    assert mirror.shared.amplitude == pytest.approx(plain.shared.amplitude, rel=1e-9)
-    assert np.array_equal(np.sort(81 - mirror.waves.bead[mirror.waves.chain == 1]), plain.waves.of_chain(1).bead)
-    counted = " (beads are counted along the pulse's way, from the last bead)"
-    assert mirror.verdict.sentence == plain.verdict.sentence + counted
 
 
 def test_chains_are_compared_at_the_beads_after_the_one_hit_and_until_five_before_the_free_end():

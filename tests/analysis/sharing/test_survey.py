@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mirror import mirrored_problem
 from synthetic_waves import exact_waves, of_keys, problem, reference, surveyed
 
 from analysis.shape.exact_wave import solitary_wave
@@ -16,7 +17,7 @@ from analysis.sharing.is_solitary import Tolerances, characterise
 from analysis.sharing.survey import survey
 from analysis.tracking.peaks import find_peaks
 from analysis.tracking.pulses import Pulse
-from analysis.trajectory import Trajectory, mirrored, mirrored_problem
+from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, library
 from workflow.engines.reference import engine
 
@@ -210,13 +211,41 @@ def test_a_pulse_that_could_not_be_measured_is_not_called_solitary():
     assert all(not character.solitary for character in found.characters)
 
 
-def test_the_mirror_of_the_mirror_is_the_run_itself():
-    trajectory = reference(2, 0.1, 20, 5.0, recorded=(2, 3, 11))
-    twice = mirrored(mirrored(trajectory))
-    assert mirrored_problem(trajectory.problem).rows.listed == (10, 18, 19)
-    assert twice.problem == trajectory.problem
-    assert np.array_equal(twice.displacement, trajectory.displacement)
-    assert np.array_equal(twice.velocity, trajectory.velocity)
+READ_BOTH_WAYS = {
+    "coupled": {"chains": 2, "beads": 60, "coupling": {"stiffness": 0.1}, "duration": 80.0},
+    "some beads": {"chains": 2, "coupling": {"stiffness": 0.1}, "output": {"beads": [3, 9, 10, 17, 24, 33]}},
+    "coupled in some rows": {"chains": 2, "coupling": {"stiffness": 0.1, "rows": [1, 12]}},
+    "with gaps": {"chains": 2, "beads": 20, "coupling": {"stiffness": 0.1}, "gap": 1.0, "duration": 80.0},
+    "tapered, kicked twice": {"taper": 0.01, "kick": [{"velocity": 1.0}, {"bead": 9, "velocity": 0.5}]},
+    "kicked from both ends": {"kick": [{"velocity": 1.0}, {"bead": 40, "velocity": -0.5}]},
+    "loaded and tapered": {
+        "chains": 2,
+        "taper": 0.01,
+        "coupling": {"stiffness": 0.1},
+        "precompression": {"force": 0.03},
+        "duration": 30.0,
+    },
+}
+
+
+@pytest.mark.parametrize("name", READ_BOTH_WAYS)
+def test_a_run_towards_bead_1_is_read_as_the_mirror_image_of_one_away_from_it(name):
+    plain = of_keys(**{"beads": 40, "kick": {"velocity": 1.0}, "duration": 55.0, **READ_BOTH_WAYS[name]})
+    up, down = (surveyed(engine.run(each)) for each in (plain, mirrored_problem(plain)))
+    assert (up.direction, down.direction) == (1, -1)
+    waves = down.waves.where(np.lexsort((-down.waves.bead, down.waves.chain)))
+    assert np.array_equal(plain.beads + 1 - waves.bead, up.waves.bead)
+    pulses = sorted((pulse.chain, -pulse.direction, *(plain.beads + 1 - pulse.bead)) for pulse in down.pulses)
+    assert pulses == sorted((pulse.chain, pulse.direction, *pulse.bead) for pulse in up.pulses)
+    assert np.array_equal(down.shared.bead, up.shared.bead)
+    pairs = [(getattr(waves, of_wave), getattr(up.waves, of_wave)) for of_wave in ("pulse", "arrival", "speed")]
+    pairs += [(getattr(down.shared, of_place), getattr(up.shared, of_place)) for of_place in ("amplitude", "spread")]
+    pairs += [(down.energies.wave, up.energies.wave), (down.energies.chain, up.energies.chain)]
+    for found, expected in pairs:
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8)
+    assert down.verdict.sentence.removesuffix(" (beads are counted along the pulse's way, from the last bead)") == (
+        up.verdict.sentence
+    )
 
 
 def test_a_run_in_pieces_of_any_size_gives_the_same():

@@ -14,7 +14,7 @@ from analysis.shape.waveforms import Passages, WaveformMeter
 from analysis.sharing.equipartition import Sharing
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import leading_waves
-from analysis.tracking.peaks import Peaks, find_peaks, in_mirror
+from analysis.tracking.peaks import Peaks, find_peaks
 from analysis.tracking.succession import Change, changes, numbers
 from lammps_inputs import find
 from workflow.engines.reference import engine
@@ -48,7 +48,8 @@ def test_a_pulse_ends_where_the_first_maximum_of_the_next_bead_is_that_of_the_pu
     last, first = 12, 13
     if direction < 0:
         chain = problem(chains=1, beads=20, kicks=((1, 20, -1.0),))
-        peaks, last, first = in_mirror(peaks, chain), 9, 8
+        peaks, last, first = maxima(*((21 - bead, *of_pulse) for bead, *of_pulse in (AHEAD, BEHIND))), 9, 8
+        peaks = replace(peaks, direction=-1)
     assert changes(peaks, chain) == (one(last=last, first=first),)
     waves = leading_waves(peaks, chain)
     ended = waves.pulse == 1

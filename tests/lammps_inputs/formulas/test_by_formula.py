@@ -63,7 +63,7 @@ NO_FORCES = [
     ("contact", {"force": "A/(d-s)^2-1", "A": 0.5, "d": 1.0}, "is -0.5 at s = 0"),
     ("contact", {"force": "A/s", "A": 0.5}, "no real value at s = 0"),
     ("contact", {**MAGNETS, "tension": "cut"}, "the force is 1 at s = 0"),
-    ("contact", {"tension": "cut"}, "is that of a formula"),
+    ("contact", {"tension": "cut"}, "contact.force: is missing"),
 ]
 UNSTABLE = [
     ("coupling", {"force": "k*s^2", "k": 1.0}, "it should be odd"),

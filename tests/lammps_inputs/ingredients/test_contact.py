@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from plain_scene import scene
 from processes import HANGS
+from truth import Truth
 
 from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.unit_cell import cell_of
@@ -14,6 +15,8 @@ from lammps_inputs.decks import scene_files
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
 from workflow.cli import main
+from workflow.engines.reference import engine
+from workflow.engines.reference.step_halving import StepHalving
 from workflow.runs.contacts import at_most
 from workflow.runs.run import run
 from workflow.sweep.fields import all_fields
@@ -80,7 +83,7 @@ def test_masses_may_differ():
 
 
 def test_a_sweep_may_vary_exponents_strengths_and_frequencies():
-    keys = {"contact.exponent", "contact.strength", "contact.strength.to", "drive.frequency"}
+    keys = {"contact.exponent", "contact.exponent.spread", "contact.strength", "contact.strength.to", "drive.frequency"}
     assert keys <= set(all_fields(Scene))
 
 
@@ -92,6 +95,29 @@ def test_random_strengths_are_those_of_numpy_chain_after_chain():
     law = graded({"spread": 0.3, "seed": 1}, chains=2).problem().system.along[0].law
     one = np.random.default_rng(1).uniform(0.7, 1.3, (2, law.strength.shape[1]))
     np.testing.assert_array_equal(law.strength, one)
+
+
+def test_random_exponents_are_factors_of_numpy_on_that_of_spheres_or_on_their_mean():
+    factors = np.random.default_rng(3).uniform(0.9, 1.1, (2, 7))
+    for keys, mean in (({}, 1.5), ({"mean": 2.0}, 2.0)):
+        law = touching({"spread": 0.1, "seed": 3, **keys}).problem().system.along[0].law
+        np.testing.assert_array_equal(law.exponent, mean * factors)
+
+
+@pytest.mark.parametrize(
+    "contact",
+    [
+        {"exponent": {"spread": 0.2, "seed": 3}},
+        {"exponent": {"from": 1.2, "to": 2.5, "contacts": [2, 5]}, "strength": {"mean": 2.0, "spread": 0.1}},
+    ],
+    ids=["random", "ramp"],
+)
+def test_contacts_of_unlike_exponents_move_as_an_independent_integration(contact):
+    case = touching(None, contact=contact, kick={"velocity": 2.5}, timestep=0.01)
+    problem = case.problem()
+    exact = Truth(case, problem.duration, 1e-11).states(problem.every * np.arange(problem.frames + 1))[1]
+    error = np.max(np.abs(engine.run(problem).velocity - exact))
+    assert error < StepHalving(problem).run().velocity < 5e-5
 
 
 def test_a_list_of_one_exponent_is_that_exponent():

@@ -12,7 +12,7 @@ from stock_lammps import run, scene
 from lammps_inputs import Kick, Scene, laws, library, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.contact import Contact
+from lammps_inputs.ingredients.contacts.power import PowerContact
 from lammps_inputs.ingredients.damping import Damping
 from lammps_inputs.ingredients.preload import Precompression
 from lammps_inputs.ingredients.unequal import BeadKind
@@ -51,7 +51,7 @@ def test_dashpots_between_chains_reach_as_far_as_their_springs_and_not_to_the_ne
 )
 def test_two_beads_part_with_their_restitution(share: float, exponent: float, tmp_path: Path) -> None:
     losing = Damping(contact=share, law="restitution")
-    contact = Contact(exponent=exponent)
+    contact = PowerContact(exponent=exponent)
     step = 0.002 if exponent > 1.0 else 0.0002  # where linear contacts open, their dashpots' force jumps
     asked = scene(duration=10.0, contact=contact, damping=losing, timestep=step, every=10.0)
     first, second = run(asked, tmp_path / "run").velocity[-1, 0]
@@ -64,7 +64,7 @@ def test_by_the_reference_beads_of_any_exponent_part_with_their_restitution(expo
     asked = scene(
         duration=10.0 if not wall else 4.5,
         gap=0.97,
-        contact=Contact(exponent=exponent),
+        contact=PowerContact(exponent=exponent),
         kick=(Kick(bead=2 if wall else 1, velocity=1.0),),
         walls=Walls(right=Face(stiffness=2.0)) if wall else None,
         damping=Damping(contact=0.7, law="restitution"),
@@ -76,13 +76,13 @@ def test_by_the_reference_beads_of_any_exponent_part_with_their_restitution(expo
 
 UNEQUAL: dict[str, dict[str, Any]] = {
     "masses": {"kinds": {"light": BeadKind(mass=0.3), "plain": BeadKind(mass=1.0)}, "pattern": ("light", "plain")},
-    "strengths": {"contact": Contact(exponent=1.0, strength=(2.0, 1.0)), "beads": 3},
+    "strengths": {"contact": PowerContact(exponent=1.0, strength=(2.0, 1.0)), "beads": 3},
 }
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=SLOW) for name in UNEQUAL])
 def test_each_of_linear_contacts_that_differ_has_the_restitution(name: str, tmp_path: Path) -> None:
-    keys: dict[str, Any] = {"contact": Contact(exponent=1.0), "beads": 2, **UNEQUAL[name]}
+    keys: dict[str, Any] = {"contact": PowerContact(exponent=1.0), "beads": 2, **UNEQUAL[name]}
     asked = scene(
         **keys,
         gap=0.97,
@@ -104,8 +104,8 @@ WALLS: dict[str, dict[str, Any]] = {
         "kinds": {"heavy": BeadKind(mass=3.0)},
         "pattern": ("heavy",),
     },
-    "linear": {"walls": Walls(right=Face(stiffness=2.0)), "contact": Contact(exponent=1.0)},
-    "square": {"walls": Walls(right=Face(stiffness=2.0)), "contact": Contact(exponent=2.0)},
+    "linear": {"walls": Walls(right=Face(stiffness=2.0)), "contact": PowerContact(exponent=1.0)},
+    "square": {"walls": Walls(right=Face(stiffness=2.0)), "contact": PowerContact(exponent=2.0)},
 }
 
 

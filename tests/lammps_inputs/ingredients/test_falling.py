@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from mirror import mirrored_problem
 from scene_keys import units
 from truth import Truth
 
-from analysis.trajectory import mirrored_problem
 from lammps_inputs import InputError, library, physics
 from lammps_inputs.decks import deck
 from workflow.engines.reference import engine
@@ -85,7 +85,7 @@ def test_a_column_that_falls_moves_as_by_the_independent_integrator(keys, tmp_pa
     assert report.energy_drift < 2e-3
     overlap = np.max(np.diff(-reference.displacement, axis=-1)) - physics.gap(problem.system)
     assert 0.4 * overlap**2.5 < physics.energy(problem.system)
-    image = engine.run(mirrored_problem(problem))
+    image = engine.run(mirrored_problem(problem), steps_per_frame=engine.default_steps_per_frame(problem))
     np.testing.assert_allclose(image.velocity, -reference.velocity[..., ::-1], rtol=0.0, atol=1e-9)
 
 

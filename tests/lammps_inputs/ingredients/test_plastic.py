@@ -121,7 +121,7 @@ def test_walls_and_unlike_beads_yield_at_the_overlap_of_their_own_radius_and_mod
     keys = {"kinds": {"a": {}, "b": {"radius": 0.5, "stiffness": 2.0}}, "pattern": ["a", "b"], "beads": 4}
     system = plastic(**keys, walls={"right": wall}).system
     assert system.along[0].law.onset == pytest.approx(0.1 * (2 / 3) / (4 / 3) ** 2)
-    onset = system.ground[0].law.onset[0, -1]
+    onset = system.walls[0].law.onset
     assert onset == pytest.approx(0.1 * 0.5 * size / (2.0 * modulus) ** 2)
 
 
@@ -137,7 +137,7 @@ def test_an_ingredient_makes_contacts_and_walls_of_a_law_that_depends_on_the_sol
     setting = replace(case.setting, named=(*case.setting.named, ("sized", Sized())))
     np.testing.assert_allclose(setting.law_between(1.0, partial(neighbours, setting)).strength, 0.4, rtol=1e-15)
     (wall,) = case.walls.links(setting)
-    assert wall.law.strength[0, -1] == pytest.approx(2.0 * 0.25 * case.walls.links(case.setting)[0].law.strength[0, -1])
+    assert wall.law.strength == pytest.approx(2.0 * 0.25 * case.walls.links(case.setting)[0].law.strength)
 
 
 def test_solids_are_computed_only_for_laws_that_depend_on_them():

@@ -10,7 +10,7 @@ from plain_scene import scene
 
 from analysis.sharing.survey import survey
 from analysis.trajectory import joined
-from lammps_inputs import find, library, physics
+from lammps_inputs import find, library
 from lammps_inputs.limits.rates import stability_bound
 from workflow.cli import main
 from workflow.engines.reference import engine
@@ -55,7 +55,7 @@ def test_a_block_of_a_material_is_that_of_hertz(block):
     base = {"name": "a", "beads": 20, "kick": {"velocity": 1.0}, "duration": 1e-4, **changes}
     base |= {"material": {"name": "steel", "radius": 4.76e-3}}
     found, given = (library.from_plain(base | {"walls": one}, "").system for one in (walls, same))
-    strengths = [np.asarray(physics.walls(system)[0].law.strength) for system in (found, given)]
+    strengths = [np.asarray(system.walls[0].law.strength) for system in (found, given)]
     assert strengths[0] == pytest.approx(strengths[1], rel=1e-12)
     assert strengths[0].max() > 0.0
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from mirror import opposite
 
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, Sine, make_table
 
@@ -47,7 +48,7 @@ def test_the_total_counts_all_of_the_force_or_half_a_swing_of_one_that_never_end
     last = law.kinks[-1]
     t = np.linspace(0.0, math.pi / law.omega if math.isinf(last) else last, 300001)
     size = np.abs(law.force(0.5 * (t[1:] + t[:-1]), *law))
-    assert law.total == law.opposite.total == pytest.approx(float(np.sum(size)) * t[1], rel=1e-6)
+    assert law.total == opposite(law).total == pytest.approx(float(np.sum(size)) * t[1], rel=1e-6)
 
 
 @pytest.mark.parametrize("name", LAWS)

@@ -30,7 +30,7 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Count, FurtherAtoms, Ingredient, Positive, in_rows
 from lammps_inputs.laws.dashpot import Dashpot
 from lammps_inputs.laws.spring import Linear
-from lammps_inputs.links import Across
+from lammps_inputs.links import Links
 
 
 class Pendulum(Ingredient):
@@ -48,7 +48,8 @@ class Pendulum(Ingredient):
             for value in (self.mass, self.stiffness, self.damping)
         )
         edges = ((self.chain - 1, setting.chains),)
-        tie, damper = Across("pendulum", Linear(spring), edges=edges), Across("friction", Dashpot(dashpot), edges=edges)
+        tie = Links.across("pendulum", Linear(spring), edges)
+        damper = Links.across("friction", Dashpot(dashpot), edges)
         return FurtherAtoms(mass, (tie,), (damper,), ("pendulum", "pendulums"), (self.chain - 1,))
 
     def lacks(self, setting):

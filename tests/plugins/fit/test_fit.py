@@ -14,6 +14,7 @@ from lammps_inputs import library, strict_yaml
 from workflow.cli import main
 from workflow.plugins.fit import estimate, goodness, study
 from workflow.plugins.fit.model import Model
+from workflow.plugins.fit.sensors import Sensors
 from workflow.runs.run_directory import RunDirectory
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -280,7 +281,7 @@ def test_two_parameters_whose_slopes_are_alike_are_said_to_be(smallest, weak):
 @pytest.mark.parametrize("edge", [np.inf, 0.0], ids=["inside", "at the edge"])
 def test_slopes_are_those_of_the_traces_also_where_one_side_is_no_scene(edge):
     model = Model.__new__(Model)
-    model.names, model.gradient = ("a",), False
+    model.names, model.gradient, model.sensors = ("a",), False, Sensors((), *np.zeros((3, 0)))
     model.traces = lambda p: np.array([[3.0 * p[0] + 2.0 * p[1]]]) if p[0] <= edge else None
     assert model.slopes(np.zeros(2))[0, 0] == pytest.approx([3.0, 2.0], rel=1e-9)
 

@@ -37,7 +37,8 @@ def test_a_symbol_or_term_is_explained_as_in_the_notation(word, meaning):
 
 def test_unit_bounds_and_default_are_printed():
     found = " ".join(handbook.of_key("gap").split())
-    assert "unit: m; valid: number >= 0; default: 0" in found
+    assert "unit: m; valid: number >= 0 or {contacts" in found
+    assert "list of lists of numbers >= 0; default: 0" in found
 
 
 @pytest.mark.parametrize("word", ["no_such", "", "a b", "gap`", ".", "[1]"])

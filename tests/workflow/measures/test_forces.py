@@ -212,7 +212,7 @@ def test_under_a_load_walls_and_contacts_read_it_at_rest():
 def pressed_by(size, until=20.0):
     """A loaded wall's reading where the force above the static one is size * sin(pi (t - 3) / 6)**2 from t = 3 to 9."""
     loaded = walled(beads=8, precompression={"force": 0.5}, duration=until)
-    law = physics.walls(loaded.system)[0].law
+    law = loaded.system.walls[0].law
 
     def motion(t):
         phase, inside = np.pi * (t - 3.0) / 6.0, (t > 3.0) & (t < 9.0)

@@ -179,7 +179,7 @@ def test_a_train_ends_before_the_first_pulse_that_is_not_steady(amplitude, count
 @pytest.mark.parametrize("direction", [1, -1])
 def test_each_wave_has_its_own_lag_and_energies(direction):
     """Beads 2 and 3 from the end that was hit; chain 2 was hit, and chain 1 is later by 0.5 and by 0.25."""
-    what = problem(beads=10)
+    what = problem(beads=10, kicks=((2, 1 if direction > 0 else 10, float(direction)),))
     along = np.array([2, 3])
     bead = along if direction > 0 else 11 - along[::-1]
     passed = np.array([3.0, 4.0])[::direction]

@@ -13,6 +13,7 @@ from small_problems import problem, written_down
 from stock_lammps import run as run_stock
 from stock_lammps import scene
 
+import granchain
 from lammps_inputs import Kick, Material, library
 from workflow.cli import main
 from workflow.engines.reference import engine
@@ -334,6 +335,54 @@ def test_a_trace_that_is_off_is_named_with_place_and_time(directory, capsys):
 def test_what_cannot_be_compared_is_one_line(name, shift, says, directory, capsys):
     path = written(directory, {name: "contact_5_chain_1"}, shift=shift)
     assert says in refusal(["validate", directory, "--against", path], capsys)
+
+
+SCOPE = ("--columns", "time=TIME,sensor_8_chain_2=#3", "--gain", "CH2=-40", "--baseline", "sensor_8_chain_2=0.3")
+
+
+def scope(directory):
+    """A scope's file of a force of the run, 2 units of time late, by a sensor of -40 units of force per volt."""
+    own = np.genfromtxt(directory / "forces.csv", delimiter=",", names=True)
+    signal = 0.3 - own["sensor_8_chain_2"] / 40.0
+    rows = [f"{t + 2.0!r};7;{volt!r}\r\n" for t, volt in zip(own["time"].tolist(), signal.tolist(), strict=True)]
+    path = directory.parent / "scope.csv"
+    path.write_text(f"Model;S-4\r\n\r\nTIME;CH1;CH2\r\n-;V;V\r\n{''.join(rows)}")
+    return path
+
+
+def test_a_scopes_file_of_a_run_is_the_run_and_is_not_with_another_gain(directory, capsys):
+    words = ["validate", str(directory), "--against", str(scope(directory)), "--offset", "2"]
+    assert main([*words, *SCOPE]) == 0
+    found = json.loads((directory / "validation-against.json").read_text())["quantities"]
+    assert found["force_sensor_8_chain_2"]["largest"] < 1e-12
+    assert main([*words, *SCOPE, "--gain", "CH2=-44"]) == 1
+    described = granchain.trace_file(
+        scope(directory), {"time": "TIME", "sensor_8_chain_2": "CH2"}, gain={"CH2": -40.0}, baseline={"CH2": 0.3}
+    )
+    assert granchain.validate(directory, against=described, offset=2.0).passed
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--gain", "CH2=free"], "--gain: 'free' is no number; such as CH1=20.5"),
+        (["--gain", "CH2"], "--gain: 'CH2' given; such as CH1=20.5"),
+        (["--gain", "CH2=1,CH2=2"], "--gain: CH2 is given twice"),
+        (["--columns", "time=TIME,contact_5=CH9"], "has no column 'CH9'; line 3 names TIME, CH1, CH2"),
+        (["--offset=nan"], "--offset: nan given; a time in the units of FILE, such as 0"),
+    ],
+)
+def test_options_of_traces_that_are_wrong_are_one_line(words, says, directory, capsys):
+    told = refusal(["validate", directory, "--against", scope(directory), *SCOPE, *words], capsys)
+    assert says in told
+
+
+@pytest.mark.parametrize("words", [["--offset", "2"], ["--skip", "3"], ["--gain", "CH1=2"]])
+def test_options_of_traces_are_refused_without_traces(words, directory, capsys):
+    for against in ([], ["--against", directory]):
+        told = refusal(["validate", directory, *against, *words], capsys)
+        assert f"{words[0]}: is for a file of traces" in told
 
 
 def test_a_comparison_with_a_file_leaves_the_report_of_the_reference_as_it_is(runs, exact, tmp_path):

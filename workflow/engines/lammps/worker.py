@@ -191,7 +191,7 @@ def fault(
     overlap = motion.overlaps(system, displacement[: problem.chains], first)
     worst = np.unravel_index(np.argmax(overlap), overlap.shape)
     where = f"beads {worst[1] + first} and {worst[1] + first + 1} of chain {worst[0] + 1}"
-    if overlap[worst] >= problem.layout.diameter + physics.gap(system):
+    if overlap[worst] >= problem.layout.diameter:
         return f"{where} have passed through each other; {_remedy(problem)}"
     if overlap[worst] >= problem.layout.diameter / 2.0:
         return (
@@ -201,7 +201,7 @@ def fault(
     if physics.driven(system):  # which puts in energy without end
         return None
     energy = float(motion.energy(system, displacement, velocity, first)) + elsewhere
-    if physics.weights(system):  # whose work is no part of the energy at the start, and has no bound where all fall
+    if system.weights:  # whose work is no part of the energy at the start, and has no bound where all fall
         kinetic = float(np.sum(motion.kinetic_energy(system, velocity, first)))
         energy += float(physics.weight_energy(system, physics.initial_state(system)[0])) - physics.energy_at_start(
             system

@@ -15,14 +15,14 @@ Examples:
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import System, laws, physics
 from lammps_inputs.laws import dashpot
-from lammps_inputs.links import Across, Along, Ground, Link, Wall
+from lammps_inputs.links import Kind, Links
 from lammps_inputs.loads import Load, Motion
 
 Floats = NDArray[np.float64]
@@ -146,24 +146,22 @@ class Terms:
 def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, tuple[Any, ...]]:
     """The terms of a system and their parameters; with LAMMPS's step where masses depend on it."""
     taken = _Parameters(system)
-    row, gap = taken.add("row", np.uint64(physics.lines(system))), taken.add("gap", physics.gap(system))
+    row, gap = taken.add("row", np.uint64(physics.lines(system))), taken.gap_of(system.along[0])
     between = f"{{x}}[k - {row}] - {{x}}[k] - {gap}", f"{{v}}[k - {row}] - {{v}}[k]"
-    ends = {kind: [link for link in system.dampers if isinstance(link, kind)] for kind in (Along, Across, Ground)}
-    walls = [link for link in ends[Ground] if isinstance(link, Wall)]
-    beads = [link for link in ends[Ground] if not isinstance(link, Wall)]
+    dampers = {kind: [link for link in system.dampers if link.kind == kind] for kind in get_args(Kind)}
     cut = any(dashpot.cut(link.law) for link in system.dampers)
     bends = np.unique([time for link in system.ground if link.law.varies for time in link.law.bends])
     inverse = _inverse_mass(system, step if as_lammps and physics.velocity_at_full_steps(system) else 0.0)
     terms = Terms(
         contacts=tuple(taken.term(link.law, *between, first=2, state_at="[k]") for link in system.along),
         across=taken.terms(system.across),
-        ground=taken.terms((*physics.ground_springs(system), *physics.weights(system))),
-        walls=taken.terms(physics.walls(system)),
+        ground=taken.terms((*system.ground, *system.weights)),
+        walls=taken.terms(system.walls),
         dampers=(
-            tuple(taken.term(link.law, *between, first=2) for link in ends[Along]),
-            *(taken.terms(links) for links in (ends[Across], beads)),
+            tuple(taken.term(link.law, *between, first=2) for link in dampers["along"]),
+            *(taken.terms(dampers[kind]) for kind in ("across", "ground")),
         ),
-        wall_dampers=taken.terms(walls),
+        wall_dampers=taken.terms(dampers["wall"]),
         loads=taken.acting(system.loads),
         motions=taken.acting(system.motions),
         inverse_mass="" if inverse is None else taken.add("inverse_mass", inverse),
@@ -192,11 +190,17 @@ class _Parameters:
         self.values.append(value)
         return self.names[-1]
 
+    def gap_of(self, contacts: Links) -> str:
+        """Add the gaps of contacts; the source of that of the beads k and before."""
+        if not isinstance(contacts.gap, np.ndarray):
+            return self.add("gap", contacts.gap)
+        return f"{self.add('gap', self._laid(contacts.gap, 2))}[k]"
+
     def term(self, law: Any, strain: str, rate: str, *, first: int, state_at: str = "") -> Term:
         """A law on links of which that of the first bead is in row ``first``, and its state, if it has one, there."""
         parameters = []
         chains, state_name = self._system.chains, laws.state_name(law)
-        for label, value in zip(law.names, law, strict=True):
+        for label, value in law.by_name.items():
             if label == state_name:
                 parameters.append(f"{STATES}{state_at}")
                 continue
@@ -208,18 +212,18 @@ class _Parameters:
             parameters.append(f"{name}[k]" if differs else name)
         return Term(type(law), strain, rate, tuple(parameters), state_at=state_at if state_name else "")
 
-    def terms(self, links: Sequence[Link]) -> tuple[Term, ...]:
+    def terms(self, links: Sequence[Links]) -> tuple[Term, ...]:
         """Terms of links to the ground, or across."""
         terms: list[Term] = []
         for link in links:
-            if isinstance(link, Across):
+            if link.kind == "across":
                 terms += self._across(link)
-            elif isinstance(link, Wall):
+            elif link.kind == "wall":
                 side, gap = self.add("side", link.side), self.add("gap", link.gap)
                 at = f"[k + {self.names[0]}]" if link.side > 0.0 else "[k]"
-                term = self.term(link.law, f"{side} * {{x}}[k] - {gap}", f"{side} * {{v}}[k]", first=1, state_at=at)
-                row = self.add("end", np.uint64(self._system.beads if link.side > 0.0 else 1))
-                terms.append(replace(term, sign=side, row=row, place=at))
+                end = self._system.beads if link.side > 0.0 else 1
+                term = self.term(link.law, f"{side} * {{x}}[k] - {gap}", f"{side} * {{v}}[k]", first=end, state_at=at)
+                terms.append(replace(term, sign=side, row=self.add("end", np.uint64(end)), place=at))
             else:
                 term = self.term(link.law, "{x}[k]", "{v}[k]", first=1)
                 terms.append(replace(term, time="time" * link.law.varies))
@@ -238,7 +242,7 @@ class _Parameters:
             terms.append(Term(type(law), "", "", parameters, at))
         return tuple(terms)
 
-    def _across(self, link: Across) -> list[Term]:
+    def _across(self, link: Links) -> list[Term]:
         law: Any = link.law
         distances, values = neighbours(link, self._system)
         shared = {label: self.add(label, float(getattr(law, label))) for label in law.one_number}
@@ -288,7 +292,7 @@ def _inverse_mass(system: System, step: float) -> Floats | None:
     return rows.reshape(-1)
 
 
-def neighbours(link: Across, system: System) -> tuple[NDArray[np.uint64], list[Floats]]:
+def neighbours(link: Links, system: System) -> tuple[NDArray[np.uint64], list[Floats]]:
     """Distances in the arrays to other beads of a row, those of lower chains first, and parameters, [distance, place].
 
     Where a chain has no other at that distance, the law's parameters are 0, which makes no force.

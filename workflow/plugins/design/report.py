@@ -6,7 +6,7 @@ import math
 import numpy as np
 from matplotlib.figure import Figure
 
-from granchain.parts import Floats, RunDirectory, axes, drawing, forces, page, physics, references, spacetime, units
+from granchain.parts import Floats, RunDirectory, axes, drawing, forces, page, references, spacetime, units
 from workflow.plugins.design.figures import Objective, front_figure, history_figure, members_figure, wall_figure
 from workflow.plugins.design.result import SET_AGAINST, DesignResult
 from workflow.plugins.design.search import RULED_OUT, worth
@@ -103,7 +103,7 @@ def _of_best(result: DesignResult) -> list[page.PageFigure]:
 def _wall(directory: RunDirectory) -> tuple[Floats, Floats] | None:
     problem = directory.problem
     name = "right wall" if problem.direction > 0 else "left wall"
-    if not physics.walls(problem.system):
+    if not problem.system.walls:
         return None
     readings = forces.read(directory.blocks(), problem, wall=True)
     of_wall = [place for place, gauge in enumerate(readings.gauges) if gauge.name == name]

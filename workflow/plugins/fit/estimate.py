@@ -46,6 +46,11 @@ UNSEEN = 1e-6
 SHARE = 0.3
 """Least component of a parameter in the direction of a small singular value for it to be named."""
 
+TRACE = 0.01
+"""Least component of a parameter in the directions of singular values below `BLIND` for it to be undetermined; smaller
+ones are errors of derivatives.
+"""
+
 
 @dataclass(frozen=True)
 class FitResult:
@@ -59,7 +64,8 @@ class FitResult:
         noise: [channel] standard deviation of the residuals, in the channel's unit.
         rows: number of values that were fitted.
         jumps: [row, channel] values that were left out, since the model jumps there within the uncertainty (`jumping`).
-        weak: groups of parameters, by number, that the data hardly distinguish, and whether not at all.
+        weak: groups of parameters, by number, that the data hardly distinguish, and how many of each group must be
+            given for the data to determine the others; 0 where they are determined, if weakly.
         converged: whether the search came to its end.
     """
 
@@ -70,7 +76,7 @@ class FitResult:
     noise: Floats
     rows: int
     jumps: Mask
-    weak: tuple[tuple[tuple[int, ...], bool], ...]
+    weak: tuple[tuple[tuple[int, ...], int], ...]
     converged: bool
 
 
@@ -154,22 +160,21 @@ def _noise(left: Floats, parameters: int, size: Floats) -> Floats:
     return np.asarray(np.maximum(np.sqrt(np.nansum(left**2, axis=0) / freedom), 1e-9 * size))
 
 
-def _covariance(jacobian: Floats) -> tuple[Floats, tuple[tuple[tuple[int, ...], bool], ...]]:
+def _covariance(jacobian: Floats) -> tuple[Floats, tuple[tuple[tuple[int, ...], int], ...]]:
     """Inverse of the normal matrix, infinite on the diagonal where undetermined, and groups of `FitResult.weak`."""
     count = jacobian.shape[1]
     length = np.sqrt(np.sum(jacobian**2, axis=0))
     blind = length <= UNSEEN * max(float(np.max(length, initial=0.0)), 1e-300)
-    weak: list[tuple[tuple[int, ...], bool]] = [((int(k),), True) for k in np.flatnonzero(blind)]
+    weak: list[tuple[tuple[int, ...], int]] = [((int(k),), 1) for k in np.flatnonzero(blind)]
     determined = np.flatnonzero(~blind)
     covariance = np.full((count, count), np.nan)
     _, singular, directions = np.linalg.svd(jacobian[:, determined] / length[determined], full_matrices=False)
-    lost = np.zeros(len(determined), dtype=bool)
+    lost = np.linalg.norm(directions[singular < BLIND], axis=0) > TRACE
+    for group in _groups(directions[singular < BLIND]):
+        weak.append((tuple(int(k) for k in determined[list(group)]), _rank(directions[singular < BLIND], group)))
     for value, direction in zip(singular[::-1], directions[::-1], strict=True):
-        group = np.abs(direction) > SHARE
-        if value < WEAK and len(determined) > 1:
-            weak.append((tuple(int(k) for k in determined[group]), bool(value < BLIND)))
-        if value < BLIND:
-            lost |= group
+        if BLIND <= value < WEAK and len(determined) > 1:
+            weak.append((tuple(int(k) for k in determined[np.abs(direction) > SHARE]), 0))
     safe = np.maximum(singular, BLIND)
     inverse = (directions.T / safe**2) @ directions / np.outer(length[determined], length[determined])
     covariance[np.ix_(determined, determined)] = inverse
@@ -177,3 +182,25 @@ def _covariance(jacobian: Floats) -> tuple[Floats, tuple[tuple[tuple[int, ...], 
         covariance[k, :] = covariance[:, k] = np.nan
         covariance[k, k] = np.inf
     return covariance, tuple(weak)
+
+
+def _groups(directions: Floats) -> list[tuple[int, ...]]:
+    """Parameters, by number, that combinations of directions [direction, parameter] change together.
+
+    Two belong to one group where the projection on the directions couples them.
+    """
+    coupled = np.abs(directions.T @ directions) > TRACE**2
+    waiting, groups = [k for k in range(len(coupled)) if coupled[k, k]], []
+    while waiting:
+        group, new = set[int](), {waiting[0]}
+        while new:
+            group |= new
+            new = {k for k in waiting if k not in group and coupled[k, list(group)].any()}
+        groups.append(tuple(sorted(group)))
+        waiting = [k for k in waiting if k not in group]
+    return groups
+
+
+def _rank(directions: Floats, group: tuple[int, ...]) -> int:
+    """Number of directions [direction, parameter] within a group of parameters: the trace of the projection on them."""
+    return max(1, round(float(np.sum(directions[:, list(group)] ** 2))))

@@ -1,4 +1,4 @@
-"""Traces of a scene by the reference at the times of a table, as functions of free fields and the time offset."""
+"""Traces of a scene by the reference at the times of a table, as functions of free fields, gains and time offset."""
 
 import copy
 import math
@@ -15,6 +15,7 @@ from granchain.parts import Floats, Problem, Trajectory, channels, engine, field
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.derivatives.motion import Sides, derivatives_of_motion
 from workflow.plugins.derivatives.varied_scene import SceneInUnits, numbers
+from workflow.plugins.fit.sensors import Sensors
 
 Mask = NDArray[np.bool_]
 
@@ -26,6 +27,9 @@ MOST_FRAMES = 2_000_000
 STEP = 1e-4
 """Change of a logarithm, for derivatives."""
 
+RASTER = 4000
+"""Number of rows, at least, that choose the time offset to begin with; of more rows every second, third, ..."""
+
 OFFSET_STEP = 1e-3
 """Change of the time offset in units of T, for derivatives."""
 
@@ -36,14 +40,15 @@ class Model:
     """Traces, residuals and derivatives by parameters.
 
     Parameters, [parameter], are the logarithms of the free fields over their values in the scene, so that fields keep
-    their sign, and then the time offset in units of T where it is free. Frames and steps lie at the same times for all
+    their sign, then those of the sensors, and then the time offset in units of T where it is free. Traces are signals
+    where a gain or baseline is free. Frames and steps lie at the same times for all
     parameters, so that small changes of the parameters make small changes of the traces.
 
     Args:
         scene: plain data of the scene to begin with.
         source: name of the scene in messages.
         names: names of the free fields.
-        path: the table, see `analysis.files.traces`.
+        file: the table, see `analysis.files.traces`.
         offset: time of the table minus time of the scene, in the scene's unit; None where it is free.
         gradient: whether derivatives by fields are those of the tangent flow, not differences.
 
@@ -56,22 +61,23 @@ class Model:
         scene: dict[str, Any],
         source: str,
         names: Sequence[str],
-        path: Path,
+        file: Path | traces.TraceFile,
         offset: float | None,
         *,
         gradient: bool = False,
     ) -> None:
         library.from_plain(scene, source)
-        if not names:
-            raise InputError("--free: name at least one field, such as coupling.stiffness")
         self.scene, self.source, self.names = scene, source, tuple(names)
+        path = file if isinstance(file, Path) else file.path
         self.path, self.gradient = path, gradient
         self.start = tuple(self._start(name) for name in names)
         if len({_entries(name, scene) for name in names}) < len(names):
             raise InputError(f"--free: {', '.join(names)}: one field is named twice")
         if offset is not None and not math.isfinite(offset):
             raise InputError(f"--offset: {offset} given; a time in the scene's units, such as 0")
-        self.measured = measured = traces.load(path)
+        self.measured = measured = traces.load(file)
+        if not (names or measured.signals):
+            raise InputError("--free: name at least one field, such as coupling.stiffness")
         self.fixed_offset = offset
         start = self._problem(scene, 1.0)
         if start.rows.follow:
@@ -81,6 +87,9 @@ class Model:
         if measured.units and not start.scale.si:
             raise InputError(f"{path}: names units, but {source} has no material, so it is in reduced units")
         channels.check(path, measured.channels, start)
+        self.sensors = Sensors.of(
+            measured, np.array([getattr(start.scale, channel.quantity) for channel in measured.channels])
+        )
         self.unit_time = start.scale.time
         self._si = start.scale.si
         self.every = start.every * start.scale.time
@@ -113,6 +122,12 @@ class Model:
         """Symbol of the unit of a quantity."""
         return units.SI[quantity] if self._si else units.REDUCED
 
+    @property
+    def units(self) -> list[str]:
+        """Symbol of the unit of each channel: that of the signal, or the scene's."""
+        calibrations = zip(self.measured.channels, self.sensors.calibrations, strict=True)
+        return [calibration.unit or self.symbol(channel.quantity) for channel, calibration in calibrations]
+
     # --- parameters ---
 
     @property
@@ -123,6 +138,10 @@ class Model:
     def offset(self, parameters: Floats) -> float:
         """Time of the table minus time of the scene at parameters [parameter], in the scene's unit."""
         return self.fixed_offset if self.fixed_offset is not None else float(parameters[-1]) * self.unit_time
+
+    def of_sensors(self, parameters: Floats) -> Floats:
+        """Parameters of the sensors, of all parameters [parameter]."""
+        return parameters[len(self.names) : len(self.names) + len(self.sensors.free)]
 
     def fields(self, parameters: Floats) -> dict[str, float]:
         """Free fields at parameters [parameter]: name -> value in the field's unit."""
@@ -195,8 +214,17 @@ class Model:
         run = self.trajectory(parameters)
         return None if run is None else self._traces_of(run, parameters)
 
-    def _traces_of(self, run: Trajectory, parameters: Floats) -> Floats:
+    def values(self, parameters: Floats) -> Floats | None:
+        """Traces [row, channel] in the scene's units at parameters [parameter]; None where the scene is refused."""
+        run = self.trajectory(parameters)
+        return None if run is None else self._values_of(run, parameters)
+
+    def _values_of(self, run: Trajectory, parameters: Floats) -> Floats:
+        """Traces of a run, [row, channel], in the scene's units."""
         return channels.read_at(run, self.measured.channels, self.measured.time - self.offset(parameters))
+
+    def _traces_of(self, run: Trajectory, parameters: Floats) -> Floats:
+        return self.sensors.signals(self._values_of(run, parameters), self.of_sensors(parameters))
 
     def numerical_error(self, parameters: Floats, traces: Floats, jumps: Mask) -> Floats:
         """Root mean square, [channel], of the difference of a run with the scene's time step and LAMMPS's scheme.
@@ -238,8 +266,14 @@ class Model:
         Raises:
             InputError: the scene is refused on both sides of the parameters.
         """
-        columns = self._along_flow(parameters) if self.gradient else []
-        columns += [self.slope(parameters, place) for place in range(len(columns), len(parameters))]
+        fields = range(len(self.names))
+        columns = self._along_flow(parameters) if self.gradient else [self.slope(parameters, k) for k in fields]
+        if self.sensors.free:
+            values = self.values(parameters)
+            if values is None:
+                raise InputError(f"{self.source}: {NO_SCENE}")
+            columns += [*np.moveaxis(self.sensors.slopes(values), -1, 0)]
+        columns += [self.slope(parameters, k) for k in range(len(columns), len(parameters))]
         return np.stack(columns, axis=-1)
 
     def _along_flow(self, parameters: Floats) -> list[Floats]:
@@ -348,7 +382,7 @@ def squares(residuals: Floats) -> float:
 
 
 def aligned(model: Model, logarithms: Floats, size: Floats, *, flipped: bool = False) -> tuple[float, Floats] | None:
-    """Choose the offset on a raster with the least sum of squares of residuals over size.
+    """Choose the offset on a raster, and gains and baselines, with the least sum of squares of residuals over size.
 
     Args:
         model: the model.
@@ -357,11 +391,22 @@ def aligned(model: Model, logarithms: Floats, size: Floats, *, flipped: bool = F
         flipped: whether the sign of each channel is free in the choice of the offset.
 
     Returns:
-        The sum of squares, and the parameters [parameter], with the offset; None where the scene is refused.
+        The sum of squares, and the parameters [parameter]; None where the scene is refused.
     """
-    measured = model.measured
+    measured, sensors = model.measured, model.sensors
+    zeros = np.zeros(len(sensors.free))
+
+    def completed(*offset: float) -> tuple[float, Floats] | None:
+        """Sum of squares, and parameters, with the best gains and baselines at an offset in units of T."""
+        parameters = np.concatenate([logarithms, zeros, offset])
+        values = model.values(parameters)
+        if values is None:
+            return None
+        parameters = np.concatenate([logarithms, sensors.best(values, measured.values), offset])
+        return squares(model.residuals(parameters) / size), parameters
+
     if not model.finds_offset:
-        return squares(model.residuals(logarithms) / size), logarithms
+        return completed()
     span = float(measured.time[-1] - measured.time[0])
     try:
         run = model.run(logarithms, span)
@@ -373,22 +418,27 @@ def aligned(model: Model, logarithms: Floats, size: Floats, *, flipped: bool = F
         getattr(run.problem.scale, channel.quantity) for channel in measured.channels
     ]
 
+    every = max(1, len(measured.time) // RASTER)
+    times, data = measured.time[::every], measured.values[::every]
+
     def cost(offset: float) -> float:
-        traces = np.stack([np.interp(measured.time - offset, frames, column, left=0.0) for column in shown.T], axis=1)
-        sums = np.nansum(((measured.values - traces) / size) ** 2, axis=0)
-        if flipped:
-            sums = np.minimum(sums, np.nansum(((measured.values + traces) / size) ** 2, axis=0))
+        traces = np.stack([np.interp(times - offset, frames, column, left=0.0) for column in shown.T], axis=1)
+        traces = sensors.signals(traces, sensors.best(traces, data))
+        sums = np.nansum(((data - traces) / size) ** 2, axis=0)
+        if flipped:  # which a free gain may be, too
+            sums = np.minimum(sums, np.nansum(((data + traces) / size) ** 2, axis=0))
         return float(np.sum(sums))
 
     rough = measured.time[0] - span / 2.0 + np.arange(0.0, 1.5 * span, max(0.5 * unit, span / 2000.0))
     best = min(rough, key=cost)
     best = min(best + np.linspace(-1.0, 1.0, 41) * (rough[1] - rough[0] if len(rough) > 1 else unit), key=cost)
-    parameters = np.append(logarithms, best / unit)
-    return squares(model.residuals(parameters) / size), parameters
+    return completed(best / unit)
 
 
 def reversed_channels(model: Model, parameters: Floats, size: Floats) -> tuple[traces.Channel, ...]:
     """Channels whose opposite sign at least halves the sum of squares, near parameters or the start.
+
+    A signal whose gain or baseline is free is none of them.
 
     Args:
         model: the model.
@@ -405,6 +455,7 @@ def reversed_channels(model: Model, parameters: Floats, size: Floats) -> tuple[t
         if computed is None:
             continue
         signs = np.where(np.nansum(measured.values * computed, axis=0) < 0.0, -1.0, 1.0)
+        signs[[*measured.signals]] = 1.0  # a gain has either sign
         cost = squares((measured.values - signs * computed) / size)
         if cost < least:
             least = cost

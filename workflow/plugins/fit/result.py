@@ -11,23 +11,26 @@ from workflow.plugins.fit.estimate import FitResult
 from workflow.plugins.fit.goodness import LEVEL, TESTS, Goodness, clipped, goodness, resolution
 from workflow.plugins.fit.model import Model, reversed_channels
 
+UNDETERMINED = "undetermined"
+"""Value that the data do not determine, in a table."""
+
 
 @dataclass(frozen=True)
 class Field:
-    """A free field, or the time offset.
+    """A free field, a gain or baseline of a sensor, or the time offset.
 
     Attributes:
         unit: unit, such as ``N/m``.
-        start: value in the scene, in this unit.
-        value: fitted value.
+        start: value in the scene, in this unit; None of a sensor.
+        value: fitted value; None where the data do not determine it.
         low: lower end of the 95% confidence interval; None where the fit is rejected or not tested, or the data do not
             determine the value.
         high: upper end of the interval.
     """
 
     unit: str
-    start: float
-    value: float
+    start: float | None
+    value: float | None
     low: float | None
     high: float | None
 
@@ -37,8 +40,9 @@ class Field:
         if self.low is not None and self.high is not None and self.high > self.low:
             wide = max(abs(self.low), abs(self.high)) / (self.high - self.low)
             digits = min(17, max(digits, 2 + math.ceil(math.log10(wide))))
-        cells = (screen.cell(number, f".{digits}g") for number in (self.value, self.low, self.high))
-        return [self.unit or "-", f"{self.start:.6g}", *cells]
+        value, *ends = (screen.cell(number, f".{digits}g") for number in (self.value, self.low, self.high))
+        found = UNDETERMINED if self.value is None else value
+        return [self.unit or "-", screen.cell(self.start, ".6g"), found, *ends]
 
 
 @dataclass(frozen=True)
@@ -92,8 +96,9 @@ class Fit:
         p: smallest p-value of the tests, times their number; the fit is rejected below `LEVEL`; None where no test can
             be made.
         assumed: fixed fields any change of which the free ones compensate, so that no data can test them.
-        free: name -> free field, or the offset where it was free.
-        correlation: correlation of the logarithms, in the order of ``free``; None where it is undefined.
+        free: name -> free field, gain or baseline of a channel, or the offset where it was free.
+        correlation: correlation of the logarithms of fields and gains, of baselines and the offset, in the order of
+            ``free``; None where it is undefined.
         channels: name -> residuals of a channel of the data.
         rows: number of values fitted.
         left_out: number of values left out, at which a trace of the model jumps within the uncertainty.
@@ -182,15 +187,15 @@ def judged(model: Model, estimated: FitResult, size: Floats) -> Fit:
     measured = model.measured
     traces = model.traces(estimated.parameters)
     assert traces is not None
-    before = np.cumsum(np.abs(traces) > AT_REST * estimated.noise, axis=0) == 0
+    baseline = model.sensors.lines(model.of_sensors(estimated.parameters))[1]
+    before = np.cumsum(np.abs(traces - baseline) > AT_REST * estimated.noise, axis=0) == 0
     fixed, slopes = model.fixed(estimated.parameters)
     left = np.where(estimated.jumps, np.nan, measured.values - traces)
     test = goodness(left, before, estimated.noise, model.slopes(estimated.parameters), slopes)
-    units = [model.symbol(channel.quantity) for channel in measured.channels]
     statistics = np.stack([test.chi_square, test.autocorrelation, test.runs, *test.p], axis=1).tolist()
     channels = {}
     for channel, unit, noise, largest, row in zip(
-        measured.channels, units, estimated.noise, size, statistics, strict=True
+        measured.channels, model.units, estimated.noise, size, statistics, strict=True
     ):
         chi_square, r, runs, *p = map(numbers.known, row)
         channels[channel.name] = Residuals(unit, float(noise), float(noise / largest), chi_square, r, runs, p)
@@ -203,9 +208,9 @@ def judged(model: Model, estimated: FitResult, size: Floats) -> Fit:
     free = _free(model, estimated, intervals=fits is True)
     without = _without_noise(channels, numerical, below) if below.any() else ""
     verdict = without or _verdict(test, fits, clipping=bool(clips))
-    warnings = clips or (
-        _of_misfit(model, estimated, size, test, fixed) if fits is False else _weak(list(free), estimated)
-    )
+    warnings = clips or (_of_misfit(model, estimated, size, test, fixed) if fits is False else [])
+    warnings += _undetermined(model, list(free), estimated)
+    warnings += [] if fits is False else _weak(list(free), estimated)
     if not estimated.converged:
         warnings.append("the search did not converge; start from values nearer to the truth")
     return Fit(
@@ -214,7 +219,7 @@ def judged(model: Model, estimated: FitResult, size: Floats) -> Fit:
         p=numbers.known(test.joint),
         assumed=tuple(name for name, error in zip(fixed, test.change_error, strict=True) if np.isposinf(error)),
         free=free,
-        correlation=[[numbers.known(value) for value in row] for row in estimated.correlation.tolist()],
+        correlation=[[numbers.known(value) for value in row] for row in _correlation(model, estimated).tolist()],
         channels=channels,
         rows=estimated.rows,
         left_out=int(np.sum(estimated.jumps & np.isfinite(measured.values))),
@@ -235,25 +240,59 @@ def _without_noise(channels: dict[str, Residuals], numerical: Floats, below: Fla
 
 
 def _free(model: Model, estimated: FitResult, *, intervals: bool) -> dict[str, Field]:
-    """Free fields, and the offset where it is free, with confidence intervals."""
-    offset = model.finds_offset
-    names = (*model.names, *[OFFSET] * offset)
-    scene = model.scene_at(estimated.parameters)
-    units = (*(fields.unit(fields.parse(name, scene), scene) for name in model.names), *[model.symbol("time")] * offset)
-
-    def values(sign: float) -> list[float]:
-        parameters = estimated.parameters + sign * estimated.half_width if sign else estimated.parameters
-        with np.errstate(over="ignore"):
-            factors = np.exp(parameters[: len(model.names)]).tolist()
-        values_of_fields = [start * factor for start, factor in zip(model.start, factors, strict=True)]
-        return [*values_of_fields, *(float(p) * model.unit_time for p in parameters[len(model.names) :])]
-
-    ends = zip(values(-1.0), values(1.0), np.isfinite(estimated.half_width) & intervals, strict=True)
-    rows = zip(names, units, (*model.start, *[0.0] * offset), values(0.0), ends, strict=True)
+    """Free fields, gains and baselines, and the offset where it is free, with confidence intervals."""
+    offset, sensors, scene = model.finds_offset, model.sensors, model.scene_at(estimated.parameters)
+    names = (*model.names, *[f"{name} of {model.measured.channels[k].name}" for k, name in sensors.free])
+    units = [fields.unit(fields.parse(name, scene), scene) for name in model.names]
+    for place, name in sensors.free:
+        symbol = model.symbol(model.measured.channels[place].quantity)
+        units.append(f"{symbol}/{model.units[place]}" if name == "gain" else model.units[place])
+    starts = (*model.start, *[None] * len(sensors.free), *[0.0] * offset)
+    low, value, high = (
+        _values(model, estimated.parameters + sign * np.nan_to_num(estimated.half_width, posinf=0.0))
+        for sign in (-1.0, 0.0, 1.0)
+    )
+    determined = _determined(model, estimated)
+    rows = zip((*names, *[OFFSET] * offset), (*units, *[model.symbol("time")] * offset), starts, strict=True)
     return {
-        name: Field(unit, start, value, *((min(low, high), max(low, high)) if valid else (None, None)))
-        for name, unit, start, value, (low, high, valid) in rows
+        name: Field(
+            unit,
+            start,
+            value[k] if determined[k] else None,
+            *((min(low[k], high[k]), max(low[k], high[k])) if determined[k] and intervals else (None, None)),
+        )
+        for k, (name, unit, start) in enumerate(rows)
     }
+
+
+def _gains(model: Model) -> list[int]:
+    """Numbers of the parameters that are inverse gains."""
+    return [len(model.names) + k for k, (_, name) in enumerate(model.sensors.free) if name == "gain"]
+
+
+def _determined(model: Model, estimated: FitResult) -> Flags:
+    """Whether the data determine each parameter, [parameter]; a gain not where it may be infinite."""
+    determined = np.isfinite(estimated.half_width)
+    gains = _gains(model)
+    determined[gains] &= np.abs(estimated.parameters[gains]) > estimated.half_width[gains]
+    return np.asarray(determined)
+
+
+def _correlation(model: Model, estimated: FitResult) -> Floats:
+    """Correlation of the logarithms of fields and gains, of baselines and the offset, [parameter, parameter]."""
+    signs, gains = np.ones(len(estimated.parameters)), _gains(model)
+    signs[gains] = -np.sign(estimated.parameters[gains])  # parameters are inverse gains
+    return np.asarray(estimated.correlation * np.outer(signs, signs))
+
+
+def _values(model: Model, parameters: Floats) -> list[float]:
+    """Free fields, gains and baselines, and the offset where it is free, at parameters [parameter]."""
+    count = len(model.names)
+    with np.errstate(over="ignore"):
+        factors = np.exp(parameters[:count]).tolist()
+    values = [start * factor for start, factor in zip(model.start, factors, strict=True)]
+    offset = [float(parameters[-1]) * model.unit_time] * model.finds_offset
+    return [*values, *model.sensors.reported(model.of_sensors(parameters)), *offset]
 
 
 def _verdict(test: Goodness, fits: bool | None, *, clipping: bool) -> str:
@@ -303,21 +342,38 @@ def _of_misfit(model: Model, estimated: FitResult, size: Floats, test: Goodness,
     ]
 
 
-def _weak(names: list[str], estimated: FitResult) -> list[str]:
-    """Warnings of fields that the data do not determine."""
+def _undetermined(model: Model, names: list[str], estimated: FitResult) -> list[str]:
+    """Warnings of parameters that the data do not determine."""
     warnings = []
-    for group, blind in estimated.weak:
-        words = " and ".join(names[k] for k in group)
-        if len(group) == 1:
+    for group, rank in estimated.weak:
+        words = _listed([names[k] for k in group])
+        if rank and len(group) == 1:
             warnings.append(f"the data do not depend on {words}: leave it out of --free")
-        elif blind:
+        elif rank:
             warnings.append(
-                f"the data do not distinguish {words}: only one of them can be free, or other data are needed"
+                f"the data do not distinguish {words}: other values of them, changed together, fit as well, so they "
+                f"are undetermined; give {rank} of these {len(group)}, or use other data"
             )
-        else:
+    for k in _gains(model):
+        if math.isfinite(estimated.half_width[k]) and not _determined(model, estimated)[k]:
+            warnings.append(f"the data do not determine the {names[k]}: its signal is within the noise")
+    return warnings
+
+
+def _weak(names: list[str], estimated: FitResult) -> list[str]:
+    """Warnings of parameters that the data hardly distinguish."""
+    warnings = []
+    for group, rank in estimated.weak:
+        if not rank:
             r = np.nanmax(np.abs(estimated.correlation[np.ix_(group, group)] - np.eye(len(group))))
+            others = "other is" if len(group) == 2 else "others are"
             warnings.append(
-                f"the data hardly distinguish {words} (correlation {r:.4f}): the uncertainty of each is smaller if the "
-                "other is given"
+                f"the data hardly distinguish {_listed([names[k] for k in group])} (correlation {r:.4f}): the "
+                f"uncertainty of each is smaller if the {others} given"
             )
     return warnings
+
+
+def _listed(names: list[str]) -> str:
+    """Names with commas between, and "and" before the last."""
+    return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))

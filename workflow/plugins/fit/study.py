@@ -65,7 +65,7 @@ BEGUN = 3
 @checked
 def fit(
     scene: inputs.AnyScene,
-    against: Path | str,
+    against: inputs.AnyTraces,
     free: Sequence[str],
     directory: Path | str,
     *,
@@ -79,7 +79,8 @@ def fit(
 
     Args:
         scene: a name, a file, plain data or a `Scene`; its values are the start of the search.
-        against: table of traces in the scene's units.
+        against: table of traces in the scene's units, or what ``trace_file`` returns, also with gains and baselines
+            that are ``"free"``.
         free: fields to estimate, such as ``["coupling.stiffness", "kick.velocity"]``.
         directory: created if it does not exist.
         offset: by how much the table's times are later than the scene's; None to estimate it, too.
@@ -104,7 +105,8 @@ def fit(
         >>> round(fitted.free["kick.velocity"].value, 4)
         1.0
     """
-    model = Model(load(scene).plain(), inputs.source_of(scene), list(free), Path(against), offset, gradient=gradient)
+    file = Path(against) if isinstance(against, str) else against
+    model = Model(load(scene).plain(), inputs.source_of(scene), list(free), file, offset, gradient=gradient)
     return carry_out(model, Path(directory), lammps=lammps)
 
 
@@ -127,7 +129,7 @@ def carry_out(model: Model, directory: Path, *, lammps: bool = True) -> Fit:
         size = _sizes(model)
         estimated = _best(model, size)
         result = judged(model, estimated, size)
-        comment = "" if result.fits is not False else f"# {result.verdict}\n"
+        comment = _comment(result)
         fitted = library.from_plain(model.scene_at(estimated.parameters), model.source).plain()
         STUDY.write(directory, {FITTED: comment + strict_yaml.dump(fitted)})
         if lammps:
@@ -140,26 +142,35 @@ def carry_out(model: Model, directory: Path, *, lammps: bool = True) -> Fit:
     return result
 
 
+def _comment(result: Fit) -> str:
+    """Lines above the fitted scene; empty where its fields are those of a model that fits."""
+    lines = [result.verdict] if result.fits is False else []
+    undetermined = [name for name, entry in result.free.items() if entry.value is None]
+    if undetermined:
+        lines.append(f"undetermined, one of many values that fit as well: {', '.join(undetermined)}")
+    return "".join(f"# {line}\n" for line in lines)
+
+
 def _sizes(model: Model) -> Floats:
-    """Largest value of the data, [channel], in the channel's unit.
+    """Largest value of the data, of a signal from its middle, [channel], in the channel's unit.
 
     Raises:
         InputError: there are too few values, or all values of a channel are zero.
     """
     measured, path = model.measured, model.path
-    if int(np.isfinite(measured.values).sum()) <= len(model.names) + model.finds_offset:
+    if int(np.isfinite(measured.values).sum()) <= len(model.names) + len(model.sensors.free) + model.finds_offset:
         raise InputError(f"{path}: has fewer values than there are unknowns")
-    size = np.nanmax(np.abs(measured.values), axis=0)
+    size = model.sensors.size
     for channel, largest in zip(measured.channels, size, strict=True):
         if not largest > 0.0:
-            raise InputError(f"{path}: {channel.name}: holds nothing but zeros; leave it out")
-    return np.asarray(size)
+            raise InputError(f"{path}: {channel.name}: holds nothing but one value; leave it out")
+    return size
 
 
 def _best(model: Model, size: Floats) -> FitResult:
     """Best estimate of searches from the start and from points around it."""
     count = len(model.names)
-    around = SPREAD * (2.0 * qmc.Sobol(count, seed=1).random(STARTS) - 1.0)
+    around = SPREAD * (2.0 * qmc.Sobol(count, seed=1).random(STARTS) - 1.0) if count else []
     points = [aligned(model, point, size) for point in (np.zeros(count), *around)]
     ranked = sorted((point for point in points if point is not None), key=lambda point: point[0])
     if not ranked:
@@ -179,7 +190,8 @@ def _in_lammps(model: Model, estimated: FitResult, directory: Path) -> InLammps:
     plain = {key: value for key, value in fitted.items() if key not in ("until_bead", "output")}
     scene = library.from_plain({**plain, "duration": until}, model.source)
     done = run(scene, directory, overwrite=directory.exists())
-    theirs = channels.read_at(done.trajectory, model.measured.channels, model.measured.time - offset)
+    values = channels.read_at(done.trajectory, model.measured.channels, model.measured.time - offset)
+    theirs = model.sensors.signals(values, model.of_sensors(estimated.parameters))
     traces = model.traces(estimated.parameters)
     assert traces is not None
     error = None if done.check is None else done.check.velocity
@@ -190,11 +202,14 @@ def _in_lammps(model: Model, estimated: FitResult, directory: Path) -> InLammps:
 def _figure(model: Model, estimated: FitResult, *, rejected: bool) -> "Figure":
     from granchain.parts import residual_figure  # matplotlib takes half a second to import
 
-    traces, run = model.traces(estimated.parameters), model.trajectory(estimated.parameters)
-    assert traces is not None
+    values, run = model.values(estimated.parameters), model.trajectory(estimated.parameters)
+    assert values is not None
     assert run is not None
     mark = "; fit rejected" if rejected else ""
-    return residual_figure(run.problem, model.measured, traces, estimated.noise, mark=mark)
+    of_sensors = model.of_sensors(estimated.parameters)
+    measured = replace(model.measured, values=model.sensors.values(model.measured.values, of_sensors))
+    noise = estimated.noise / np.abs(model.sensors.lines(of_sensors)[0])
+    return residual_figure(run.problem, measured, values, noise, mark=mark)
 
 
 # --- command ----------------------------------------------------------------------------------------------------------
@@ -204,6 +219,8 @@ DRAWS = True
 EXAMPLES = (
     "fit scene.yaml --against data.csv --free coupling.stiffness,kick.velocity -o fitted",
     "fit scene.yaml --against data.csv --free material.youngs_modulus --offset 0 -o fitted   # times as the scene's",
+    'fit scene.yaml --against scope.csv --columns "time=TIME,force_wall_right (V)=CH1" --gain CH1=free '
+    "--free material.youngs_modulus -o fitted",
 )
 
 
@@ -219,8 +236,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "velocity_1_55 (chain, bead)",
     )
     parser.add_argument(
-        "--free", metavar="FIELD,...", required=True, help="fields to find, such as coupling.stiffness,kick.velocity"
+        "--free", metavar="FIELD,...", default="", help="fields to find, such as coupling.stiffness,kick.velocity"
     )
+    options.add_traces(parser, free=True)
     parser.add_argument(
         "--offset",
         metavar="TIME",
@@ -240,7 +258,7 @@ def execute(arguments: argparse.Namespace) -> screen.CommandResult:
         library.find(arguments.scene).plain(),
         arguments.scene,
         [name.strip() for name in arguments.free.split(",") if name.strip()],
-        arguments.against,
+        options.trace_file(arguments, free=True),
         arguments.offset,
         gradient=arguments.gradient,
     )
@@ -266,7 +284,7 @@ def words(arguments: argparse.Namespace) -> list[str]:
     library.find(scene)
     words = ["fit", path, "--against", str(arguments.against.absolute()), "--free", arguments.free, "-o", "."]
     words += [] if arguments.offset is None else [f"--offset={arguments.offset!r}"]
-    words += formats.words()
+    words += [*options.trace_words(arguments), *formats.words()]
     words += ["--gradient"] if arguments.gradient else []
     return [*words, *(["--no-lammps"] if arguments.no_lammps else [])]
 

@@ -50,8 +50,7 @@ def words_of(model: type[BaseModel]) -> Iterator[str]:
     """Words that fields of a model, and of its parts, take in place of numbers."""
     for field in model.model_fields.values():
         yield from _words_in(field.annotation)
-        part = complaints.model_in(field.annotation)
-        if part is not None and part is not model:
+        for part in complaints.models_in(field.annotation):
             yield from words_of(part)
 
 

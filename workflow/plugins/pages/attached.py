@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from bokeh.models import ColumnDataSource, CustomJS, Slider
 
-from granchain.parts import Problem, physics
+from granchain.parts import Problem
 from workflow.plugins.pages.downsample import Thinned
 
 _THICK = 0.22
@@ -29,7 +29,7 @@ def draw_walls(plot: Any, problem: Problem, part: Thinned) -> bool:
     """Draw the walls beside the first and last beads of the chains, where these are shown; whether there are any."""
     ends = {-1: (1, part.places[0] - 0.5 * part.spacing), 1: (problem.beads, part.places[-1] + 0.5 * part.spacing)}
     centres = []
-    for side in sorted({int(wall.side) for wall in physics.walls(problem.system)}):
+    for side in sorted({int(wall.side) for wall in problem.system.walls}):
         bead, face = ends[side]
         if bead in (int(part.beads[0]), int(part.beads[-1])):
             centres.append(float(face) + 0.5 * side * _THICK * part.spacing)

@@ -145,7 +145,7 @@ def resolve(rows: RowStates, pair: int, time: float, chain: int, near: Floats) -
 
 
 @compiled.ieee_called_by_compiled
-def predict(state: CollisionState, pair: int, now: float, modes: Modes, gap: float, end: float) -> None:
+def predict(state: CollisionState, pair: int, now: float, modes: Modes, gaps: Floats, end: float) -> None:
     """Put the next contact of a pair of rows into the queue."""
     near, relative, waves = state.near, state.relative, state.waves
     omega, shape, weight = modes.omega, modes.shape, modes.weight
@@ -155,7 +155,7 @@ def predict(state: CollisionState, pair: int, now: float, modes: Modes, gap: flo
     for j in range(chains):
         distance += near[0, 1, j] - near[0, 0, j]
         rate += near[1, 1, j] - near[1, 0, j]
-    distance = gap + distance / chains
+    distance /= chains
     rate /= chains
     for m in range(oscillating):
         q, p = 0.0, 0.0
@@ -166,12 +166,13 @@ def predict(state: CollisionState, pair: int, now: float, modes: Modes, gap: flo
         relative[1, m] = p * weight[m] / omega[m]
     limit, meeting, nearest = end - now, -1, math.inf
     for j in range(chains):
+        gap = gaps[pair, j]
         g, slope = gap + (near[0, 1, j] - near[0, 0, j]), near[1, 1, j] - near[1, 0, j]
         for m in range(oscillating):
             waves[0, m] = shape[m, j] * relative[0, m]
             waves[1, m] = shape[m, j] * relative[1, m]
         free = oscillating == 0  # then every bead is its own centre of mass
-        start, drift = (g, slope) if free else (distance, rate)
+        start, drift = (g, slope) if free else (gap + distance, rate)
         wait, outcome = first_contact(PairDistance(g, slope, start, drift, waves, omega), limit, now, gap)
         if outcome != NEVER:
             time = now + wait
@@ -186,14 +187,14 @@ def predict(state: CollisionState, pair: int, now: float, modes: Modes, gap: flo
 
 
 @compiled.ieee
-def predict_all(state: CollisionState, modes: Modes, gap: float, end: float) -> None:
+def predict_all(state: CollisionState, modes: Modes, gaps: Floats, end: float) -> None:
     """Predict every pair from time 0."""
     for pair in range(len(state.chain)):
-        predict(state, pair, 0.0, modes, gap, end)
+        predict(state, pair, 0.0, modes, gaps, end)
 
 
 @compiled.ieee
-def collide(state: CollisionState, modes: Modes, gap: float, end: float, events: EventArrays) -> int:
+def collide(state: CollisionState, modes: Modes, gaps: Floats, end: float, events: EventArrays) -> int:
     """Run until the arrays of events are full or nothing meets before the end; the number of events recorded."""
     rows, queue, near = state.rows, state.queue, state.near
     count = 0
@@ -213,7 +214,7 @@ def collide(state: CollisionState, modes: Modes, gap: float, end: float, events:
                 count += 1
                 first, last = max(pair - 1, 0), min(pair + 1, len(state.chain) - 1)
         for touched in range(first, last + 1):
-            predict(state, touched, time, modes, gap, end)
+            predict(state, touched, time, modes, gaps, end)
     return count
 
 
@@ -261,26 +262,28 @@ def run(problem: Problem, *, max_events: int | None = None) -> CollisionRun:
     """All collisions of rigid beads until the problem's duration, or the first of them.
 
     Args:
-        problem: beads of mass 1 a gap apart; its contact law, time step and recorded beads play no part.
+        problem: beads of mass 1 with gaps, in chains that are coupled the same in each; its contact law, time step and
+            recorded beads play no part.
         max_events: stop after so many collisions.
 
     Raises:
         ValueError: the beads touch at the start.
     """
-    gap, end = physics.gap(problem.system), problem.duration
-    if not gap > 0.0:
+    end, shape = problem.duration, (problem.chains, problem.beads - 1)
+    gaps = np.ascontiguousarray(np.broadcast_to(problem.system.along[0].gap, shape).T)  # [pair, chain]
+    if not np.all(gaps > 0.0):
         raise ValueError(
             "gap: rigid beads that touch have no order of collisions; the engine `collisions` needs a gap > 0"
         )
     rows, modes = _start(problem)
     state = make_state(rows, modes)
-    predict_all(state, modes, gap, end)
+    predict_all(state, modes, gaps, end)
     parts = []
     count = 0
     while True:
         room = ROOM if max_events is None else min(ROOM, max_events - count)
         events = EventArrays(*(np.empty(room, kind) for kind in (float, np.int64, np.int64, float, float)))
-        recorded = collide(state, modes, gap, end, events)
+        recorded = collide(state, modes, gaps, end, events)
         parts.append([column[:recorded] for column in events])
         count += recorded
         if recorded < room or count == max_events:

@@ -76,17 +76,14 @@ def from_csv(path: Path, scale: units.Scale) -> Collisions:
     return Collisions(time / scale.time, chain, row, striker / velocity, target / velocity, *marks)
 
 
-def from_events(problem: Problem, events: Collisions, direction: int = 1) -> impulses.Impulses:
+def from_events(problem: Problem, events: Collisions) -> impulses.Impulses:
     """Impulses of rigid beads, a contact being one collision.
 
     Args:
         problem: what was run.
         events: every collision.
-        direction: 1, or -1 for the impulses that beads receive from the bead ahead, with beads counted from the last.
     """
     chain, row = events.chain - 1, events.row - 1
-    if direction < 0:
-        row = problem.beads - 2 - row
     shape = (problem.chains, problem.beads - 1)
     first, total = np.zeros((2, *shape))
     contacts = np.zeros(shape, dtype=np.int64)

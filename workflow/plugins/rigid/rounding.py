@@ -12,14 +12,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from granchain.parts import Problem, physics
+from granchain.parts import Problem
 from workflow.plugins.rigid.engine import CollisionRun, played_back, run
 
 CHANGE = 2.0**-48
 """Relative change of the gap, 4e-15: 16 units in the last place."""
 
 MOVED = 1e-3
-"""Change of a displacement, over the gap, or of an impulse, over m V, from which on a run follows rounding."""
+"""Change of a displacement, over the least gap, or of an impulse, over m V, from which on a run follows rounding."""
 
 SAMPLES = 4096
 """Collisions at most at which displacements are compared."""
@@ -41,16 +41,16 @@ class ByRounding(NamedTuple):
 def by_rounding(collisions: CollisionRun) -> ByRounding:
     """Find the collisions that follow rounding, from runs whose gap differs by `CHANGE` of it.
 
-    The first is that at whose time a displacement differs by more than `MOVED` of the gap, or an earlier one of an
-    impulse above `MOVED` that another run does not have. Of runs of more than `SAMPLES` collisions it may be earlier by
-    their number over `SAMPLES`.
+    The first is that at whose time a displacement differs by more than `MOVED` of the least gap, or an earlier one of
+    an impulse above `MOVED` that another run does not have. Of runs of more than `SAMPLES` collisions it may be earlier
+    by their number over `SAMPLES`.
 
     Args:
         collisions: a run.
     """
     problem, count = collisions.problem, len(collisions)
-    gap = physics.gap(problem.system)
-    beside = [run(_with_gap(problem, gap * (1.0 + change))) for change in (-CHANGE, CHANGE)]
+    gap = float(np.min(problem.system.along[0].gap))
+    beside = [run(_with_other_gaps(problem, 1.0 + change)) for change in (-CHANGE, CHANGE)]
     first = _first_apart(collisions, beside, gap)
     end = count if first is None else first
     follow = np.arange(count) >= end
@@ -94,8 +94,8 @@ def _among(collisions: CollisionRun, end: int, other: CollisionRun, gap: float) 
     return same
 
 
-def _with_gap(problem: Problem, gap: float) -> Problem:
-    """A problem of rigid beads with another gap, in units of L."""
+def _with_other_gaps(problem: Problem, factor: float) -> Problem:
+    """A problem of rigid beads with a factor on its gaps."""
     along, links = problem.system.along, problem.system.links
-    links = (*(replace(link, gap=gap) for link in along), *links[len(along) :])  # contacts are the first
+    links = (*(replace(link, gap=link.gap * factor) for link in along), *links[len(along) :])  # contacts are the first
     return replace(problem, system=replace(problem.system, links=links))

@@ -67,10 +67,14 @@ class RigidEngine(engines.Engine):
             return f"`collisions` starts from kicks alone; {other}"
         if not physics.simply_coupled(system):
             return f"`collisions` is for equal linear springs between neighbouring chains only; {other}"
-        if not physics.gap(system) > 0.0:
+        gaps = np.atleast_2d(system.along[0].gap)
+        if not np.all(gaps > 0.0):
             return (
-                f"`collisions` moves rigid beads, which need a gap between them; give the scene `gap: ...`, or {other}"
+                "`collisions` moves rigid beads, which need a gap between all of them; give the scene `gap: ...`, or "
+                f"{other}"
             )
+        if physics.coupled(system) and np.any(np.ptp(gaps, axis=0)):
+            return f"`collisions` has springs between chains of the same gaps only; {other}"
         return ""
 
     def problem(self, scene: Scene) -> Problem:
@@ -121,12 +125,10 @@ class RigidEngine(engines.Engine):
         """Whether a run came to its end."""
         return job.outcome == "done"
 
-    def impulses(
-        self, path: Path, problem: Problem, direction: int = 1, until: float | None = None
-    ) -> impulses.Impulses:
+    def impulses(self, path: Path, problem: Problem, until: float | None = None) -> impulses.Impulses:
         """Impulses by the collisions that ``events.csv`` lists."""
         collisions = from_csv(path / EVENTS, problem.scale)
-        return from_events(problem, collisions if until is None else collisions.until(until), direction)
+        return from_events(problem, collisions if until is None else collisions.until(until))
 
     def rounded_from(self, job: job.Job) -> float | None:
         """Time in the scene's unit of the first collision that follows rounding; None where none does."""

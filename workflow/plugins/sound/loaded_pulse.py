@@ -129,7 +129,7 @@ class Sound:
         system = problem.system
         load, rest = map(np.asarray, (system.along[0].law.load, system.along[0].law.rest))
         branches = unit_cell.bands(system)
-        speed = None if physics.ground_springs(system) else _ends(long_waves.sound_speed(system))
+        speed = None if system.ground else _ends(long_waves.sound_speed(system))
         return cls(
             load=_ends(load),
             overlap=_ends(rest),

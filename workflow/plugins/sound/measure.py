@@ -71,7 +71,7 @@ class SoundMeasurement(measurement.Measurement):
     def lines(self) -> Iterator[str]:
         """Speed of sound, and the leading pulse against it."""
         scale, wave, frequencies = self.problem.scale, self.values.pulse, unit_cell.bands(self.problem.system)
-        if physics.ground_springs(self.problem.system):
+        if self.problem.system.ground:
             line = "long waves of sound do not run, as springs to the ground hold the beads"
             if frequencies is not None:
                 low, high = (

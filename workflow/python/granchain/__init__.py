@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from lammps_inputs.materials import Solid as Solid
     from workflow.errors import RunError as RunError
     from workflow.inputs import load as load
+    from workflow.inputs import trace_file as trace_file
     from workflow.interface.analyses import analyze as analyze
     from workflow.interface.analyses import universe as universe
     from workflow.interface.analyses import validate as validate
@@ -95,6 +96,7 @@ __all__ = [
     "run",
     "statistics",
     "sweep",
+    "trace_file",
     "universe",
     "validate",
 ]

@@ -64,6 +64,7 @@ if TYPE_CHECKING:
     from lammps_inputs.decks import deck as deck
     from lammps_inputs.decks import scene_files as scene_files
     from lammps_inputs.facts import Fact as Fact
+    from lammps_inputs.ingredients import contact as contact
     from lammps_inputs.ingredients import registry as registry
     from lammps_inputs.ingredients import walls as walls
     from lammps_inputs.ingredients.base import Ingredient as Ingredient
@@ -73,7 +74,7 @@ if TYPE_CHECKING:
     from lammps_inputs.laws import formula as formula
     from lammps_inputs.limits import rates as rates
     from lammps_inputs.limits.closing import THETA_OF_EQ_5 as THETA_OF_EQ_5
-    from lammps_inputs.links import Ground as Ground
+    from lammps_inputs.links import Links as Links
     from lammps_inputs.materials import Solid as Solid
     from lammps_inputs.scene import DEFAULT_ACCURACY as DEFAULT_ACCURACY
     from workflow import cli as cli

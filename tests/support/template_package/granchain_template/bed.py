@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from granchain.parts import Fact, Ground, Ingredient, Setting, formula, laws, units
+from granchain.parts import Fact, Ingredient, Links, Setting, formula, laws, units
 
 
 class Quintic(laws.Law):
@@ -43,6 +43,6 @@ class Bed(Ingredient):
     quintic: Annotated[float, Field(gt=0), units.Unit("N/m5")]
     """Force over the fifth power of the displacement."""
 
-    def links(self, setting: Setting) -> tuple[Ground, ...]:
+    def links(self, setting: Setting) -> tuple[Links, ...]:
         """One spring at each bead."""
-        return (Ground("bed", laws.dimensionless(Quintic(self.quintic), setting.scale)),)
+        return (Links.ground("bed", laws.dimensionless(Quintic(self.quintic), setting.scale)),)

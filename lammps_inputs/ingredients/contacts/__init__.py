@@ -1,0 +1,1 @@
+"""Laws of contacts, one a file: what the keys of `contact` choose."""

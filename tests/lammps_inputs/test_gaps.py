@@ -1,0 +1,90 @@
+"""Gaps that differ from contact to contact: by number, as a list, or at random."""
+
+import math
+
+import numpy as np
+import pytest
+from plain_scene import scene
+
+from lammps_inputs import InputError, library
+from workflow.engines.reference import engine
+from workflow.engines.reference.step_halving import StepHalving
+from workflow.plugins.rigid import engine as rigid
+from workflow.runs.run import run
+from workflow.sweep import fields
+
+GAPS = (0.3, 0.1, 0.2, 0.5, 0.4)
+
+
+def gapped(gap, **changes):
+    return scene(**{"chains": 1, "beads": 6, "coupling": None, "gap": gap, "duration": 8.0, **changes})
+
+
+def test_gaps_by_number_are_those_of_a_list_and_other_beads_touch():
+    listed = gapped([0.1, 0.0, 0.3, 0.0, 0.0])
+    for keys in ({1: 0.1, 3: 0.3}, {"3": 0.3, "1": 0.1}):
+        case = gapped({"contacts": keys})
+        assert case.problem().system == listed.problem().system
+        assert library.from_plain(case.plain(), "test").problem().system == listed.problem().system
+
+
+def test_a_list_of_one_gap_is_that_gap():
+    assert gapped([0.2] * 5).problem().system == gapped(0.2).problem().system
+
+
+def test_random_gaps_are_factors_of_numpy_on_their_mean():
+    case = gapped({"mean": 0.2, "spread": 0.5, "seed": 7}, chains=2)
+    factors = np.random.default_rng(7).uniform(0.5, 1.5, (2, 5))
+    np.testing.assert_array_equal(case.problem().system.along[0].gap, 0.2 * factors)
+
+
+def test_a_single_gap_is_a_field_of_sweeps():
+    plain = gapped({"contacts": {1: 0.1, 3: 0.3}}).plain()
+    changed = library.from_plain(fields.put_all(plain, {"gap.contacts.3": 0.4}), "test")
+    np.testing.assert_array_equal(changed.gaps, [[0.1, 0.0, 0.4, 0.0, 0.0]])
+    assert fields.label(fields.parse("gap.contacts.3", plain), plain).plain == "gap, contact 3 (reduced)"
+
+
+def test_rigid_beads_collide_after_the_sums_of_their_gaps():
+    events = rigid.run(gapped(GAPS).problem())
+    np.testing.assert_allclose(events.time, np.cumsum(GAPS), rtol=1e-15)
+    np.testing.assert_array_equal(events.row, [1, 2, 3, 4, 5])
+    assert np.all(events.striker == 1.0)
+
+
+def test_rigid_beads_kicked_towards_each_other_exchange_velocities_where_their_paths_cross():
+    kicks = [{"bead": 1, "velocity": 1.0}, {"bead": 3, "velocity": -0.5}]
+    events = rigid.run(gapped([0.3, 0.5], beads=3, kick=kicks, duration=1.0).problem())
+    # bead 1 meets bead 2 at 0.3; bead 2, then of velocity 1, is 0.35 from bead 3, which approaches with 0.5
+    np.testing.assert_allclose(events.time[:2], [0.3, 0.3 + 0.35 / 1.5], rtol=1e-15)
+    np.testing.assert_allclose(events.impulse[:2], [1.0, 1.5], rtol=1e-15)
+
+
+def test_a_collision_of_two_spheres_with_gaps_delays_the_second_by_half_its_duration():
+    """Until bead 2 meets bead 3 it is where a bead of velocity 1 would be that waited for half the collision."""
+    gaps, problem = (0.4, 7.0), gapped([0.4, 7.0], beads=3, duration=9.0, output={"every": 0.1}).problem()
+    # duration of a collision of reduced mass 1/2 with the force overlap^1.5, at velocity 1 (Hertz 1882)
+    lasts = 0.8 * math.sqrt(math.pi) * math.gamma(0.4) / math.gamma(0.9) * (1.25 * 0.5) ** 0.4
+    motion, sure = engine.run(problem), StepHalving(problem).run().velocity
+    flies = (motion.time > gaps[0] + lasts) & (motion.time < sum(gaps) + 0.5 * lasts)
+    assert np.count_nonzero(flies) > 30
+    expected = motion.time[flies] - gaps[0] - 0.5 * lasts
+    np.testing.assert_allclose(motion.velocity[flies, 0], [[0.0, 1.0, 0.0]] * np.count_nonzero(flies), atol=sure)
+    np.testing.assert_allclose(motion.displacement[flies, 0, 1], expected, atol=sure * problem.duration)
+
+
+@pytest.mark.parametrize(
+    ("gap", "which"),
+    [([0.1, 0.0], "all of them"), ([[0.1, 0.2], [0.2, 0.1]], "the same gaps only")],
+    ids=["0", "unlike"],
+)
+def test_the_engine_of_rigid_beads_needs_gaps_everywhere_and_the_same_in_coupled_chains(gap, which, tmp_path):
+    case = gapped(gap, chains=2, beads=3, coupling={"stiffness": 0.1})
+    with pytest.raises(InputError, match=which):
+        run(case, tmp_path / "run", engine="collisions")
+
+
+def test_lammps_refuses_springs_between_chains_of_other_gaps(tmp_path):
+    case = gapped([[0.1, 0.2], [0.2, 0.1]], chains=2, beads=3, coupling={"stiffness": 0.1})
+    with pytest.raises(InputError, match="the gaps of chains differ; use the reference engine"):
+        run(case, tmp_path / "run")
