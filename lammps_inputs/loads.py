@@ -5,20 +5,18 @@ any time step, also where the force begins and ends within one; the error still 
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, cast
-
-import numpy as np
 
 from lammps_inputs import file_names
 from lammps_inputs.deck_lines import BeadLayout, DeckLines
 from lammps_inputs.laws import table_lines
-from lammps_inputs.laws.in_time import Sine, TabulatedForce, TimeLaw
+from lammps_inputs.laws.in_time import Table, TimeLaw
 from lammps_inputs.numbers import text
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Load:
     """A force on one bead, towards higher bead numbers where positive.
 
@@ -31,17 +29,6 @@ class Load:
     bead: int
     law: TimeLaw
 
-    def __eq__(self, other: object) -> bool:
-        """Whether all is the same, to the last number of every array."""
-        if not isinstance(other, Load):
-            return False
-        alike = (self.chain, self.bead, type(self.law)) == (other.chain, other.bead, type(other.law))
-        parameters: Any = zip(self.law, other.law, strict=False)
-        return alike and all(np.array_equal(mine, theirs) for mine, theirs in parameters)
-
-    def __hash__(self) -> int:
-        return hash((self.chain, self.bead, type(self.law)))
-
     def force(self, time: Any) -> Any:
         """Force at a time."""
         return self.law.force(time, *self.law)
@@ -51,12 +38,13 @@ class Load:
         return self.law.rate(time, *self.law)
 
     def impulse(self, time: Any) -> Any:
-        """Impulse until a time."""
-        return self.law.impulse(time, *self.law)
+        """Impulse from the start until a time."""
+        return self.law.impulse(time, *self.law) - self.law.impulse(0.0, *self.law)
 
     def travel(self, time: Any) -> Any:
         """Distance that a free bead of mass 1 has gone from rest until a time."""
-        return self.law.travel(time, *self.law)
+        travel, impulse = self.law.travel, self.law.impulse
+        return travel(time, *self.law) - travel(0.0, *self.law) - impulse(0.0, *self.law) * time
 
     @property
     def end(self) -> float:
@@ -76,64 +64,87 @@ class Load:
 
 @dataclass(frozen=True)
 class Motion:
-    """A bead of prescribed motion: by ``amplitude * (sin(omega t + phase) - sin(phase))``.
+    """A bead of prescribed motion, the sum of some.
 
     Attributes:
         chain, bead: counted from 1.
-        amplitude: in units of L.
-        omega: angular frequency, in units of 1 / T.
-        phase: in radians.
+        laws: laws of the motions in time; the displacement is 0 at the start.
     """
 
     chain: int
     bead: int
-    amplitude: float
-    omega: float
-    phase: float
-
-    @property
-    def law(self) -> Sine:
-        """Law of the acceleration in time; the displacement is 0 at the start."""
-        return Sine(-self.amplitude * self.omega**2, self.omega, self.phase)
+    laws: tuple[TimeLaw, ...]
 
     def displacement(self, time: Any) -> Any:
         """Displacement at a time, in units of L."""
-        return self.amplitude * (np.sin(self.omega * time + self.phase) - np.sin(self.phase))
+        return sum(law.travel(time, *law) - law.travel(0.0, *law) for law in self.laws)
 
     def velocity(self, time: Any) -> Any:
         """Velocity at a time, in units of V."""
-        return self.amplitude * self.omega * np.cos(self.omega * time + self.phase)
+        return sum(law.impulse(time, *law) for law in self.laws)
 
     def acceleration(self, time: Any) -> Any:
         """Acceleration at a time, in units of V / T."""
-        return self.law.force(time, *self.law)
+        return sum(law.force(time, *law) for law in self.laws)
 
     def jerk(self, time: Any) -> Any:
         """Rate of change of the acceleration at a time."""
-        return self.law.rate(time, *self.law)
+        return sum(law.rate(time, *law) for law in self.laws)
 
     @property
-    def speed(self) -> float:
-        """Largest speed of the bead, in units of V."""
-        return abs(self.amplitude) * self.omega
+    def omega(self) -> float:
+        """Largest angular frequency, in units of 1 / T; 0 where none is harmonic."""
+        return float(max(law.omega for law in self.laws))
+
+    @property
+    def end(self) -> float:
+        """Time from which on it goes on smoothly, in units of T; infinite where it oscillates for ever."""
+        return max(law.kinks[-1] for law in self.laws)
+
+    @property
+    def fastest(self) -> float:
+        """Velocity of largest size, in units of V; of a sum, at most that, with the sign of the largest part."""
+        fastest = [law.fastest for law in self.laws]
+        return math.copysign(sum(map(abs, fastest)), max(fastest, key=abs))
+
+
+def summed(motions: Iterable[Motion]) -> tuple[Motion, ...]:
+    """Motions of which those of one bead are added."""
+    laws: dict[tuple[int, int], tuple[TimeLaw, ...]] = {}
+    for motion in motions:
+        place = motion.chain, motion.bead
+        laws[place] = (*laws.get(place, ()), *motion.laws)
+    return tuple(Motion(*place, of_bead) for place, of_bead in laws.items())
 
 
 def tables(system: Any) -> str:
-    """Text of the file with the vectors of long tables, which a deck includes; empty where it has none."""
-    texts = [line for name, law in _long_tables(system) for line in table_lines.vectors(law, name)]
+    """Text of the file with the vectors of tables, which a deck includes; empty where it has none."""
+    texts = [line for name, law, moves in _tables(system) for line in table_lines.vectors(law, name, moves=moves)]
     return "\n".join([*table_lines.HEAD, *texts, *table_lines.TAIL]) + "\n" if texts else ""
 
 
 def include_lines(system: Any) -> tuple[str, ...]:
     """LAMMPS command that reads the file of `tables`, where there is one."""
-    return (f"include {file_names.TABLES}",) if any(_long_tables(system)) else ()
+    return (f"include {file_names.TABLES}",) if any(_tables(system)) else ()
 
 
-def _long_tables(system: Any) -> Iterator[tuple[str, TabulatedForce]]:
-    """Name and law of each load whose table is too long for a formula."""
+def _tables(system: Any) -> Iterator[tuple[str, Table, bool]]:
+    """Name and law of each load whose table is too long for a formula, and of each motion; whether it is a motion."""
     for number, load in enumerate(system.loads, 1):
         if load.law.long:
-            yield f"push{number}", load.law
+            yield f"push{number}", load.law, False
+    for _, parts in _named(system.motions):
+        for name, law in parts:
+            if law.points:
+                yield name, cast(Table, law), True
+
+
+def _named(motions: Iterable[Motion]) -> Iterator[tuple[Motion, list[tuple[str, TimeLaw]]]]:
+    """Every motion, and its laws with their names in the deck."""
+    number = 0
+    for motion in motions:
+        yield motion, [(f"drive{n}", law) for n, law in enumerate(motion.laws, number + 1)]
+        number += len(motion.laws)
 
 
 def lines(loads: Sequence[Load], motions: Sequence[Motion], layout: BeadLayout) -> list[DeckLines]:
@@ -143,22 +154,25 @@ def lines(loads: Sequence[Load], motions: Sequence[Motion], layout: BeadLayout) 
         ValueError: LAMMPS has no command for it.
     """
     pushes = [_push_lines(load, f"push{number}", layout) for number, load in enumerate(loads, 1)]
-    return pushes + [_motion_lines(motion, f"drive{n}", layout) for n, motion in enumerate(motions, 1)]
+    return pushes + [_motion_lines(motion, parts, layout) for motion, parts in _named(motions)]
 
 
-def _motion_lines(motion: Motion, name: str, layout: BeadLayout) -> DeckLines:
-    """LAMMPS commands of a bead that no force acts on and that is moved by a formula."""
-    turn = f"v_{name}omega*step*v_timestep+v_{name}phase"
+def _motion_lines(motion: Motion, parts: list[tuple[str, TimeLaw]], layout: BeadLayout) -> DeckLines:
+    """LAMMPS commands of a bead that no force acts on and that is moved by formulas, or by tables."""
+    name = parts[0][0]
+    courses = [law.course(part) for part, law in parts]
+    displacement, velocity = ("+".join(formulas) for formulas in zip(*courses, strict=True))
+    tables = [(part, cast(Table, law)) for part, law in parts if law.points]
     return DeckLines(
         variables=(
-            f"variable {name}amplitude index {text(motion.amplitude)}",
-            f"variable {name}omega index {text(motion.omega)}",
-            f"variable {name}phase index {text(motion.phase)}",
+            *(line for part, law in parts for line in law.variables(part)),
+            *((table_lines.SINCE,) if tables else ()),
         ),
         motion=(
             f"# bead {motion.bead} of chain {motion.chain} has a prescribed motion; no force acts on it",
-            f"variable {name}x equal v_{name}amplitude*(sin({turn})-sin(v_{name}phase))",
-            f"variable {name}v equal v_{name}amplitude*v_{name}omega*cos({turn})",
+            *(line for part, law in tables for line in table_lines.moved_lines(law, part)),
+            f"variable {name}x equal {displacement}",
+            f"variable {name}v equal {velocity}",
             f"group {name} id {layout.atom(motion.chain, motion.bead)}",
             f"fix {name}free {name} setforce 0.0 NULL NULL",
         ),
@@ -170,8 +184,8 @@ def start_lines(motions: Sequence[Motion], layout: BeadLayout) -> list[str]:
     """LAMMPS commands that set the initial velocities of beads of prescribed motion."""
     return [
         f"set atom {layout.atom(motion.chain, motion.bead)} "
-        f"vx $(v_drive{number}amplitude*v_drive{number}omega*cos(v_drive{number}phase):%.17g)"
-        for number, motion in enumerate(motions, 1)
+        f"vx $({'+'.join(law.start(name) for name, law in parts)}:%.17g)"
+        for motion, parts in _named(motions)
     ]
 
 
@@ -181,7 +195,7 @@ def _push_lines(load: Load, name: str, layout: BeadLayout) -> DeckLines:
     lookup: tuple[str, ...] = ()
     since: tuple[str, ...] = ()
     if load.law.long:
-        lookup, since = table_lines.lines(cast(TabulatedForce, load.law), name), (table_lines.SINCE,)
+        lookup, since = table_lines.lines(cast(Table, load.law), name), (table_lines.SINCE,)
     if variables and not load.endless:
         last = f"v_{name}duration"
 

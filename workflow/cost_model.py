@@ -129,7 +129,9 @@ def step_seconds(problem: Problem) -> tuple[float, float]:
     tables = [load.law for load in system.loads if load.law.points]
     fixed = STEP + FORMULA * (len(system.loads) - len(tables))
     fixed += sum(VECTORS if law.long else POINT * law.points for law in tables)
-    fixed += MOTION * len(system.motions)
+    fixed += MOTION * len(system.motions) + VECTORS * sum(
+        bool(law.points) for each in system.motions for law in each.laws
+    )
     bead = bead_seconds(problem) + LOADED * physics.loaded(system)
     bead += DAMPED * (physics.contact_loss(system) is not None)
     of_formulas = formula_seconds(_formulas(problem))

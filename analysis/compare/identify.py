@@ -441,12 +441,12 @@ def _other_course(equations: MomentumEquations, load: Load, noise: float) -> Exp
     others[:, load.chain - 1, load.bead - 1] = 0.0
     effect = _norm(residual) / equations.size
     departures = [Departure(name_of_load(load), "course", np.nan, np.nan, 1.0, effect)]
-    if not any(np.ndim(parameter) for parameter in load.law):
+    if load.law.numbers:
         departures = (
             other_parameters(
                 name_of_load(load),
-                load.law.by_name,
-                lambda *parameters: np.diff(load.law.impulse(times, *parameters)),
+                load.law.numbers,
+                lambda *numbers: np.diff(replace(load, law=load.law.of(*numbers)).impulse(times)),
                 np.diff(load.impulse(times)) + residual,
                 max(NOISE * noise, EXPLAINED * _norm(residual)),
             )

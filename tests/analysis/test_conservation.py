@@ -12,7 +12,7 @@ from analysis.conservation import STORED, Account, AccountMeter, ConservationMet
 from analysis.figures.drawing import draw
 from analysis.quantity import plain
 from lammps_inputs import Kick, physics
-from lammps_inputs.laws.in_time import Rectangular, Sine
+from lammps_inputs.laws.in_time import rectangular, sine
 from lammps_inputs.loads import Load
 from lammps_inputs.units import make_scale
 from workflow.engines.reference.engine import run
@@ -103,7 +103,7 @@ def moved_by(loads, momentum, **changes):
 
 
 def test_with_a_push_momentum_is_asked_for_afterwards_in_shares_of_all_blows():
-    push = Load(1, 1, Rectangular(1.0, 2.0))
+    push = Load(1, 1, rectangular(1.0, 2.0))
 
     def wrong(t):
         return np.where(t > 2.01, 1.0 + 2.0 + 0.3, 17.0)
@@ -113,7 +113,7 @@ def test_with_a_push_momentum_is_asked_for_afterwards_in_shares_of_all_blows():
 
 def test_with_a_drive_momentum_is_that_of_now_or_as_lammps_has_it():
     """Half a step of the mean force around may be missing."""
-    drive = Load(1, 1, Sine(0.5, 2.0, 0.4))
+    drive = Load(1, 1, sine(0.5, 2.0, 0.4))
     half = 0.005
 
     def halfway(t):

@@ -138,7 +138,12 @@ _YAML = [
 _KEYS = [
     _changed("two mistakes", "beads:", "'ten' given; kick.bead: should", beads="ten", kick="{bead: a, velocity: 1}"),
     _changed("misspelt key and another mistake", "kick.velocty:", "; beads: should", kick="{velocty: 1}", beads="ten"),
-    _changed("key of a part", "velocity:", "(did you mean `striker.velocity` or `kick.velocity`?)", velocity="1"),
+    _changed(
+        "key of a part",
+        "velocity:",
+        "(did you mean `striker.velocity` or `kick.velocity` or `drive.velocity`?)",
+        velocity="1",
+    ),
     _changed("key of a scene in a part", "kick.gap:", "(did you mean `gap`?)", kick="{velocity: 1, gap: 2}"),
     _changed("no value", "beads:", "nothing given", beads=""),
     _changed("unknown key", "colour:", "known here: name", colour="red"),
@@ -358,6 +363,9 @@ def _damped(message: str, more: dict[str, Any] = {}, **keys: Any) -> BadScene:  
     return _refused(f"damping{message}", damping=keys, **more)
 
 
+_EITHER = "displacement: give either displacement, force, velocity or table"
+
+
 def _driven(message: str, *drives: dict[str, float], **more: Any) -> BadScene:
     return _refused(message, kick=None, drive=list(drives), **more)
 
@@ -452,15 +460,31 @@ REFUSED = [
         contact=0.1,
         tension="cut",
     ),
-    _driven("drive[1]: displacement: give either displacement or force (neither is given)", {"frequency": 1.0}),
-    _driven("drive[1]: displacement: give either displacement or force (both are given)", {**_MOVED, "force": 1.0}),
+    _driven(f"drive[1]: {_EITHER} (none is given)", {"frequency": 1.0}),
+    _driven(f"drive[1]: {_EITHER} (displacement and force are given)", {**_MOVED, "force": 1.0}),
+    _driven("drive[1]: frequency: is missing; a harmonic drive needs it", {"displacement": 1.0}),
+    _driven("drive[1]: frequency: goes with displacement or force only", {"velocity": 1.0, "frequency": 1.0}),
+    _driven("drive[1]: until: goes with velocity only", {**_MOVED, "until": 1.0}),
+    _driven("drive[1]: velocity: a piston needs a velocity (at least 1e-30) (0 given)", {"velocity": 0.0}),
+    _driven("drive[1]: until: must be later than the start at 2", {"velocity": 1.0, "from": 2.0, "until": 2.0}),
+    _driven("drive[1]: quantity: is missing; a table without names", {"table": [[0.0, 0.0], [1.0, 1.0]]}),
+    _driven("drive.table: has 1 points; 2 to 100000 are needed", {"table": [[0.0, 1.0]], "quantity": "velocity"}),
+    _driven("drive[1].table: times must increase; 0 follows 0", {"table": [[0.0, 1.0]] * 2, "quantity": "velocity"}),
+    _driven("drive.table: has no motion", {"table": [[0.0, 0.0], [1.0, 0.0]], "quantity": "velocity"}),
+    _driven(
+        "drive[1]: table: must begin with a displacement of 0",
+        {"table": [[0.0, 0.1], [1.0, 0.0]], "quantity": "displacement"},
+    ),
+    _driven(
+        "drive[1].velocity: bead 1 of chain 1 is pushed, too", {"velocity": 1.0}, {**_FORCED, "chain": 1, "bead": 1}
+    ),
     _driven("drive.bead: 13 is outside the array (beads 1 to 12)", {**_MOVED, "bead": 13}),
     _driven("drive.chain: 3 is outside the array (chains 1 to 2)", {**_MOVED, "chain": 3}),
     _driven("drive.frequency: should be greater than 0", {**_MOVED, "frequency": 0.0}),
     _driven("drive: a window would take", _MOVED, **_WINDOW),
     _driven("drive: suzuki4 steps back", _MOVED, scheme="suzuki4"),
     _refused("drive.displacement: prescribes the motion of the bead", drive=_MOVED),
-    _driven("drive[1].displacement: bead 1 of chain 1 is moved or pushed", _MOVED, {**_FORCED, "chain": 1, "bead": 1}),
+    _driven("drive[1].displacement: bead 1 of chain 1 is pushed, too", _MOVED, {**_FORCED, "chain": 1, "bead": 1}),
     _driven("output.spectra.beads: 13 is outside the array", _FORCED, output={"spectra": {"beads": [13]}}),
     _driven("output.spectra.beads: 2 not recorded", _FORCED, output={"spectra": {"beads": [2]}, "beads": [1]}),
     _resonant("resonators.mass: should be greater than or equal to 0, -1.0 given", mass=-1.0),

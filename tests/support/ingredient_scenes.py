@@ -65,6 +65,22 @@ MAGNETS = {"force": "A/(d+s)^p", "A": 0.2, "p": 4.0, "d": 1.0}
 EQUAL = [[0.2 * k, 0.36 * math.sin(math.pi * k / 100) ** 2 if k % 100 else 0.0] for k in range(101)]
 UNEQUAL = [[0.3 + (k / 30) ** 3, 0.5 * math.sin(math.pi * k / 60) ** 2 * (k < 60)] for k in range(61)]
 
+RECORDED: list[dict[str, Any]] = [
+    {"bead": 1, "velocity": 0.3, "until": 7.1},
+    {"bead": 1, "displacement": 0.05, "frequency": 0.2, "phase": 40.0},
+    {"bead": 1, "displacement": 0.04, "frequency": 0.33},
+    {"bead": 8, "quantity": "displacement", "table": [[1.3, 0], [2.1, -0.2], [3.7, 0.1], [5, 0.1], [8.2, -0.3]]},
+    {"chain": 2, "bead": 4, "quantity": "velocity", "table": [[0.7, 0.2], [2.1, -0.4], [4.9, 0.1]]},
+    {"chain": 2, "bead": 4, "velocity": -0.1, "from": 5.3},
+]
+"""Motions of three beads, of which two have several."""
+STARTS = [
+    {"bead": 1, "displacement": 0.5},
+    {"chain": 2, "bead": 8, "displacement": -0.3, "velocity": -0.2},
+    {"bead": 3, "velocity": 0.3},
+]
+TABLE = [[1, 2, -0.4, 0.1], [2, 8, 0.2, 0.0], [3, 5, 0.3, -0.2], [4, 1, -0.3, 0.0]]
+
 CASES: dict[str, dict[str, Any]] = {
     "one chain": {"chains": 1, "coupling": None},
     "gap": {"gap": 0.3},
@@ -167,7 +183,19 @@ CASES: dict[str, dict[str, Any]] = {
     },
     "magnets": {"contact": MAGNETS, "walls": {"left": "bead", "right": "bead"}, "kick": {"velocity": 0.3}},
     "driven": {"drive": [MOVED, FORCED], "kick": None},
+    "driven by two tones, a piston and records": {"drive": RECORDED, "kick": None},
+    "driven by records, damped": {"drive": RECORDED[:2] + RECORDED[3:], "kick": None, "damping": LOSSES["all"]},
     "driven, pressed": {"drive": MOVED, "kick": None, **PRESSED},
+    "initial states, gap, kicked": {"initial": STARTS, "gap": 0.1, "kick": {"bead": 3, "velocity": 0.4}},
+    "initial states, damped": {"initial": STARTS[:2], "damping": LOSSES["viscoelastic"], "kick": None},
+    "initial states of all atoms, pressed, damped, walls": {
+        **HELD,
+        "initial": {"table": TABLE},
+        "resonators": {"mass": 0.3, "stiffness": 0.8},
+        "foundation": {"stiffness": 0.3},
+        "damping": {"beads": 0.1},
+        "kick": None,
+    },
     "pushed before unlike walls": {
         **SIZES,
         "pattern": [["big"], ["small", "small"]],
@@ -221,6 +249,11 @@ def in_units(name: str, velocity: float, material: dict[str, float] | None = Non
     formula = {"k": unit.stiffness, "s0": unit.length, "d": unit.length, "f": unit.force}
     formula |= {"A": unit.force * unit.length**4, "a": unit.force / unit.length**1.5}
     springs = {**formula, "stiffness": spring, "cubic": unit.stiffness / unit.length**2}
+    drive = {"displacement": unit.length, "force": unit.force, "frequency": 1.0 / unit.time}
+    drive |= {"velocity": velocity, "from": unit.time, "until": unit.time}
+    second = {"displacement": unit.length, "velocity": velocity}
+    driven = keys["drive"] if isinstance(keys.get("drive"), list) else [{}]
+    drives = tuple({**drive, "table": (unit.time, second.get(one.get("quantity"), 1.0))} for one in driven)
     worth = {
         "gap": {"": unit.length, "mean": unit.length},
         "contact": formula,
@@ -234,9 +267,10 @@ def in_units(name: str, velocity: float, material: dict[str, float] | None = Non
             "beads": dashpot,
             "coupling": dashpot,
         },
-        "drive": {"displacement": unit.length, "force": unit.force, "frequency": 1.0 / unit.time},
+        "drive": drives if isinstance(keys.get("drive"), list) else drives[0],
         "push": {"peak": unit.force, "duration": unit.time, "table": (unit.time, unit.force)},
         "resonators": {"mass": mass, "stiffness": unit.stiffness, "damping": dashpot},
+        "initial": {"displacement": unit.length, "velocity": velocity, "table": (1, 1, unit.length, velocity)},
         "kick": {"velocity": velocity},
         "striker": {"velocity": velocity, "mass": mass},
         "duration": unit.time,

@@ -7,14 +7,56 @@ from typing import Any
 
 import numpy as np
 from scenes_nature import Floats, Moved, Nature, Push, Units, Wall
+from scipy.interpolate import PPoly, make_interp_spline
 
 from lammps_inputs import Scene
 
 FACES = {"bead": 1.0, "flat": 2.0**0.5, "rigid": 2.0**1.5}
 
 
+_GIVEN: list[Units] = []
+"""Units in place of the scene's, while these are looked for."""
+
+
 def units(scene: Scene) -> Units:
-    """V is the fastest of kicks, of free beads that were given a push's impulse, and of drives."""
+    """V is the fastest of kicks, of free beads that were given a push's impulse, of drives and of initial states.
+
+    Of initial displacements, that of a bead with the energy of the link that stores most.
+    """
+    if _GIVEN:
+        return _GIVEN[-1]
+    speeds = _speeds(scene)
+    if falls(scene):  # through the gap and the overlap of one bead under its weight
+        unit, g, p = _units(scene, 1.0), scene.gravity.acceleration, exponent(scene)
+        overlap = (unit.mass * g / unit.force) ** (1.0 / p) * unit.length
+        speeds.append(math.sqrt(2.0 * g * (scene.gap + overlap)))
+    speeds.append(_released(scene, max(speeds, default=0.0) or 1.0))
+    return _units(scene, max(speeds))
+
+
+def falls(scene: Scene) -> bool:
+    return scene.gravity is not None and not scene.gravity.settled
+
+
+def _released(scene: Scene, velocity: float) -> float:
+    if not any(row[2] for row in initial_rows(scene)):
+        return 0.0
+    _GIVEN.append(_units(scene, velocity))
+    try:
+        return velocity * math.sqrt(2.0 * nature(scene).most_stored)
+    finally:
+        _GIVEN.pop()
+
+
+def initial_rows(scene: Scene) -> list[tuple[int, int, float, float]]:
+    """Line and bead, from 1, displacement and velocity."""
+    found = []
+    for part in scene.initial or ():
+        found += part.table or [(part.chain, part.bead, part.displacement or 0.0, part.velocity or 0.0)]
+    return found
+
+
+def _units(scene: Scene, velocity: float) -> Units:
     ball, p = scene.material, exponent(scene)
     mass, constant = 1.0, 1.0
     if ball is not None:
@@ -23,13 +65,17 @@ def units(scene: Scene) -> Units:
     constant = _of_contact(scene, "stiffness") or constant
     if (law := formula(scene, "contact")) is not None:
         constant, p = law.first
-    speeds = [abs(velocity) for *_, velocity in kicks(scene)]
+    return Units(mass, (mass * velocity**2 / constant) ** (1.0 / (p + 1.0)), velocity)
+
+
+def _speeds(scene: Scene) -> list[float]:
+    ball = scene.material
+    mass = 1.0 if ball is None else 4.0 / 3.0 * math.pi * ball.radius**3 * ball.density
+    speeds = [abs(velocity) for *_, velocity in [*kicks(scene), *initial_rows(scene)]]
     speeds += [_impulse(push) / mass for push in scene.push or ()]
     for drive in scene.drive or ():
-        omega = 2.0 * math.pi * drive.frequency
-        speeds.append(drive.force / (mass * omega) if drive.force else drive.displacement * omega)
-    velocity = max(speeds)
-    return Units(mass, (mass * velocity**2 / constant) ** (1.0 / (p + 1.0)), velocity)
+        speeds.append(drive.force / (mass * 2.0 * math.pi * drive.frequency) if drive.force else _fastest(drive))
+    return speeds
 
 
 def exponent(scene: Scene) -> float:
@@ -214,7 +260,7 @@ def loads(scene: Scene, mass: Floats) -> Floats:
     unit, found = units(scene), np.zeros((scene.chains, scene.beads + 1))
     if scene.precompression is not None:
         found += scene.precompression.force / unit.force
-    if scene.gravity is not None:
+    if scene.gravity is not None and scene.gravity.settled:
         found[:, 1:] += np.cumsum(mass, axis=1) * scene.gravity.acceleration * unit.time**2 / unit.length
     return found
 
@@ -283,6 +329,81 @@ def _pushes(scene: Scene, unit: Units) -> list[Push]:
     return found
 
 
+def _fastest(drive: Any) -> float:
+    """Largest size of the velocity of a given motion, in the scene's units."""
+    if drive.displacement is not None:
+        return drive.displacement * 2.0 * math.pi * drive.frequency
+    if drive.velocity is not None:
+        return abs(drive.velocity)
+    time, second = np.array(drive.table).T
+    if drive.quantity == "velocity":
+        return float(np.max(np.abs(second)))
+    slope = _spline(time, second).derivative()
+    turns = slope.derivative().roots() if len(time) > 3 else np.zeros(0)
+    within = turns[(time[0] < turns) & (turns < time[-1])]
+    return float(np.max(np.abs(slope(np.concatenate([time, within])))))
+
+
+def _spline(time: Floats, value: Floats) -> Any:
+    """The cubic spline through points, or the line or parabola through fewer than four."""
+    return PPoly.from_spline(make_interp_spline(time, value, k=min(3, len(time) - 1)))
+
+
+def _moved(scene: Scene, unit: Units) -> list[Moved]:
+    """Beads whose motion is given, each with the sum of its drives."""
+    places: dict[tuple[int, int], list[Moved]] = {}
+    for drive in scene.drive or ():
+        if drive.force is None:
+            place = drive.chain - 1, drive.bead - 1
+            places.setdefault(place, []).append(Moved(*place, *_motion(drive, unit)))
+    return [
+        Moved(
+            *place,
+            lambda t, parts=parts: sum(part.displacement(t) for part in parts),
+            lambda t, parts=parts: sum(part.velocity(t) for part in parts),
+            tuple(kink for part in parts for kink in part.kinks),
+        )
+        for place, parts in places.items()
+    ]
+
+
+def _motion(drive: Any, unit: Units) -> tuple[Any, Any, tuple[float, ...]]:
+    """Displacement and velocity over time, and times of their kinks."""
+    if drive.displacement is not None:
+        size, (omega, phase) = drive.displacement / unit.length, _turn(drive, unit)
+        return (
+            lambda t: size * (np.sin(omega * np.asarray(t) + phase) - math.sin(phase)),
+            lambda t: size * omega * np.cos(omega * np.asarray(t) + phase),
+            (),
+        )
+    if drive.velocity is not None:
+        begin = (getattr(drive, "from") or 0.0) / unit.time
+        end = math.inf if drive.until is None else drive.until / unit.time
+        speed, late = drive.velocity / unit.velocity, 1e-9  # a velocity has jumped where that is due
+        return (
+            lambda t: speed * (np.clip(t, begin, end) - begin),
+            lambda t: speed * ((np.asarray(t) >= begin - late) & (np.asarray(t) < end - late)),
+            tuple(time for time in (begin, end) if 0.0 < time < math.inf),
+        )
+    time, second = np.array(drive.table).T
+    time = time / unit.time
+    kinks = tuple(time[time > 0.0].tolist())
+    if drive.quantity == "velocity":
+        second = second / unit.velocity
+        gone = np.concatenate([[0.0], np.cumsum(np.diff(time) * (second[1:] + second[:-1]) / 2.0)])
+
+        def displacement(t: Any) -> Any:
+            k = np.maximum(np.searchsorted(time, t, side="right") - 1, 0)
+            s = np.maximum(t - time[k], 0.0)
+            return gone[k] + s * 0.5 * (second[k] * (np.asarray(t) >= time[0]) + np.interp(t, time, second))
+
+        return displacement, lambda t: np.interp(t, time, second, left=0.0), kinks
+    path = _spline(time, second / unit.length)
+    slope = path.derivative()
+    there = lambda t: (np.asarray(t) >= time[0]) & (np.asarray(t) < time[-1] - 1e-9)  # noqa: E731
+    return lambda t: path(np.clip(t, time[0], time[-1])), lambda t: np.where(there(t), slope(t), 0.0), kinks
+
+
 def _turn(drive: Any, unit: Units) -> tuple[float, float]:
     return 2.0 * math.pi * drive.frequency * unit.time, math.radians(drive.phase)
 
@@ -304,11 +425,9 @@ def nature(scene: Scene) -> Nature:
     hold = np.diff(np.pad(load[:, 1:-1], ((0, 0), (1, 1))), axis=1)
     for wall in walls:
         hold[:, wall.bead] += wall.side * load[:, wall.bead + (wall.side > 0.0)]
-    moved = [
-        Moved(one.chain - 1, one.bead - 1, one.displacement / unit.length, *_turn(one, unit))
-        for one in scene.drive or ()
-        if one.force is None
-    ]
+    moved = _moved(scene, unit)
+    if falls(scene):
+        hold = hold + mass * scene.gravity.acceleration * unit.time**2 / unit.length
     start = np.zeros((scene.chains, scene.beads))
     for chain, bead, velocity in kicks(scene):
         start[chain - 1, bead - 1] = velocity / unit.velocity
@@ -343,7 +462,11 @@ def nature(scene: Scene) -> Nature:
         bends=bends,
         formulas={key: law.scaled(unit) for key, law in laws.items() if law is not None},
     )
-    return own if scene.resonators is None else _with_resonators(scene, own)
+    own = own if scene.resonators is None else _with_resonators(scene, own)
+    state = np.zeros((2, *own.mass.shape))
+    for line, bead, x, v in initial_rows(scene):
+        state[:, line - 1, bead - 1] = x / unit.length, v / unit.velocity
+    return replace(own, displaced=state[0], start=own.start + state[1])
 
 
 def _resonators(scene: Scene) -> list[tuple[Floats, Floats, Floats]]:

@@ -23,18 +23,18 @@ class Truth:
         shape = np.shape(time)
         found = self.solution(np.ravel(time)).T
         found = found.reshape(*shape, 2, *self.nature.mass.shape)[..., : self.scene.chains, :]
-        return found[..., 0, :, :], found[..., 1, :, :]
+        return self.nature.placed(time, found[..., 0, :, :], found[..., 1, :, :])
 
 
 def _solved(own: Nature, end: float, rtol: float) -> OdeSolution:
     """Displacements and velocities over time; from kink to kink of what comes from outside."""
 
     def rates(time: float, state: Floats) -> Floats:
-        x, v = state.reshape(2, *own.mass.shape)
+        x, v = own.placed(time, *state.reshape(2, *own.mass.shape))
         return np.concatenate([v, own.acceleration(time, x, v)], axis=None)
 
-    state = np.concatenate([np.zeros_like(own.start), own.start], axis=None)
-    kinks = [*own.bends, *(kink for push in own.pushes for kink in push.kinks)]
+    kinks = [*own.bends, *(kink for each in (*own.pushes, *own.moved) for kink in each.kinks)]
+    state = np.concatenate([own.displaced, own.start], axis=None)
     edges = sorted({0.0, end, *(kink for kink in kinks if 0.0 < kink < end)})
     pieces = []
     for since, until in pairwise(edges):

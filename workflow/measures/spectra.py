@@ -259,7 +259,9 @@ def amplitude_at(signal: Floats, every: float, frequency: float) -> Floats:
 def drives(problem: Problem) -> list[tuple[int, int, float]]:
     """(chain, bead, frequency) of every drive."""
     forces = [(load.chain, load.bead, load.law.omega) for load in problem.system.loads if load.law.omega]
-    motions = [(motion.chain, motion.bead, motion.omega) for motion in problem.system.motions]
+    motions = [
+        (motion.chain, motion.bead, law.omega) for motion in problem.system.motions for law in motion.laws if law.omega
+    ]
     return [(chain, bead, omega / (2.0 * np.pi)) for chain, bead, omega in (*motions, *forces)]
 
 

@@ -83,7 +83,8 @@ def _limit(scene: Scene, wall: bool, slowness: float) -> float:
     """Time, in units of T, in which a pulse passes the last bead that matters if a bead takes it so many units of T."""
     assert scene.until_bead is not None
     last = scene.until_bead if _far(scene, wall) is None else max(scene.until_bead, scene.beads)
-    pushed = max((load.end for load in scene.system.loads if not load.endless), default=0.0)
+    ends = [*(load.end for load in scene.system.loads), *(motion.end for motion in scene.system.motions)]
+    pushed = max(filter(math.isfinite, ends), default=0.0)
     return slowness * (last + 10) * (1.0 + physics.gap(scene.system)) + pushed
 
 

@@ -154,20 +154,20 @@ def _prescribed(trajectory: Trajectory) -> list[Departure]:
     departures = []
     for drive in trajectory.problem.system.motions:
         values = trajectory.displacement[:, drive.chain - 1, drive.bead - 1]
-        difference, limit = values - drive.displacement(trajectory.time), _MOTION * abs(drive.amplitude)
+        prescribed = drive.displacement(trajectory.time)
+        difference, limit = values - prescribed, _MOTION * float(np.max(np.abs(prescribed)))
         if np.max(np.abs(difference)) <= limit:
             continue
         name = f"drive of bead {drive.bead} of chain {drive.chain}"
 
-        def course(amplitude: float, omega: float, phase: float, drive: Motion = drive) -> Floats:
-            """Displacement [frame] of the bead with these parameters of its drive, in units of L."""
-            moved = replace(drive, amplitude=amplitude, omega=omega, phase=phase)
+        def course(*numbers: float, drive: Motion = drive) -> Floats:
+            """Displacement [frame] of the bead with these numbers of its drive, in units of L."""
+            moved = replace(drive, laws=(drive.laws[0].of(*numbers),))
             return np.asarray(moved.displacement(trajectory.time))
 
-        parameters = {"amplitude": drive.amplitude, "omega": drive.omega, "phase": drive.phase}
-        departures += other_parameters(name, parameters, course, values, limit * np.sqrt(trajectory.frames)) or [
-            Departure(name, "course", np.nan, np.nan, 1.0, 1.0)
-        ]
+        numbers = drive.laws[0].numbers if len(drive.laws) == 1 else {}
+        fitted = numbers and other_parameters(name, numbers, course, values, limit * np.sqrt(trajectory.frames))
+        departures += fitted or [Departure(name, "course", np.nan, np.nan, 1.0, 1.0)]
     return departures
 
 

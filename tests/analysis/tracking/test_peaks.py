@@ -17,7 +17,7 @@ from analysis.tracking.leading_waves import leading_waves, with_speeds
 from analysis.tracking.peaks import PeakMeter, Peaks, find_peaks, sharp
 from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, Problem
-from lammps_inputs.laws.in_time import HalfSine, Rectangular
+from lammps_inputs.laws.in_time import half_sine, rectangular
 from lammps_inputs.loads import Load
 from workflow.engines.reference import engine
 
@@ -297,7 +297,7 @@ def test_maxima_are_as_accurate_as_stated_where_a_foundation_stiffens_between_tw
             assert abs(own.time[same] - found.time[k]) <= found.time_error[k] + 1e-6, start
 
 
-@pytest.mark.parametrize("law", [Rectangular, HalfSine])
+@pytest.mark.parametrize("law", [rectangular, half_sine])
 @pytest.mark.parametrize("recorded", [None, (2,)])
 def test_the_error_of_a_peak_is_below_what_is_said_where_a_push_ends_between_two_frames(law, recorded):
     for share in np.linspace(0.02, 0.98, 25):
@@ -319,7 +319,7 @@ def test_the_error_of_a_peak_is_below_what_is_said_where_a_push_ends_between_two
 @pytest.mark.slow
 @pytest.mark.parametrize("recorded", [None, (2,)])
 def test_a_kicked_bead_that_is_pushed_as_well_has_its_maximum_after_the_start(recorded):
-    push, kick = Load(1, 2, HalfSine(0.3, 4.0)), Kick(bead=2, velocity=1.0)
+    push, kick = Load(1, 2, half_sine(0.3, 4.0)), Kick(bead=2, velocity=1.0)
     fine = engine.run(pushed(problem(1, 0.0, 4, 5.0, 0.01, kicks=[kick]), push))
     found, dense = (find_peaks([thinned(fine, stride, recorded)]) for stride in (50, 1))
     one, true = (peaks.where(peaks.bead == 2).first() for peaks in (found, dense))

@@ -1,4 +1,4 @@
-"""Pushes and harmonic drives: units, tables, moved beads, causes; the motion is in `test_every_ingredient`."""
+"""Pushes and drives: units, tables, moved beads, causes; the motion is in `test_every_ingredient`."""
 
 import math
 from dataclasses import replace
@@ -11,6 +11,7 @@ from ingredient_scenes import MOVED, STEEL
 from plain_scene import scene
 from wrong_runs import causes
 
+from analysis.conservation import ConservationMeter
 from lammps_inputs import InputError, file_names, library, physics, strict_yaml
 from lammps_inputs.decks import scene_files
 from lammps_inputs.facts import Fact
@@ -72,7 +73,7 @@ def test_a_table_is_read_from_beside_the_scene_and_written_into_it(tmp_path):
         ("0,0\n1,x\n", "force.csv:2: '1,x' found; two numbers are needed, time and force"),
         ("0,0\n1,2,3\n", "force.csv:2: '1,2,3' found"),
         ("0,0\n", "push.table: has 1 points"),
-        ("0,0\n2,1\n1,0\n", "push.table: times must increase; 1 follows 2"),
+        ("0,0\n2,1\n1,0\n", "force.csv:3: times must increase; 1 follows 2"),
         ("0,0\n2,1\n", "end with a force of 0, or the force would jump, here by 1 at time 2"),
         ("1,1\n2,0\n", "end with a force of 0, or the force would jump, here by 1 at time 1"),
         ("0,0\n2,0\n", "push.table: has no force"),
@@ -166,6 +167,81 @@ def test_a_bead_that_is_moved_is_where_it_should_be_to_rounding_and_the_verdict_
 def test_impulse_of_a_force_alone_is_momentum(tmp_path):
     found = analyse(run(driven(PUSHED), tmp_path / "run", check=False).directory, figures=False)
     assert found.conservation.momentum_drift < 1e-12
+
+
+def test_two_tones_move_a_bead_on_a_linear_spring_as_their_exact_response():
+    """Chain 1 moves with two tones; the bead of chain 2 hangs on it by a spring and never touches another."""
+    tones, w0 = ((0.3, 0.7), (0.2, 1.9)), 1.3
+    drives = [{"displacement": size, "frequency": w / (2.0 * math.pi), "phase": -90.0} for size, w in tones]
+    case = driven(*drives, beads=2, gap=10.0, coupling={"stiffness": w0**2}, duration=20.0, output={"every": 0.5})
+    found = engine.run(case.problem(), steps_per_frame=40)
+    t = found.time * case.scale.time
+    # m x'' = k (X (1 - cos w t) - x) from rest, for each tone
+    exact = sum(size * (1.0 - (w0**2 * np.cos(w * t) - w**2 * np.cos(w0 * t)) / (w0**2 - w**2)) for size, w in tones)
+    np.testing.assert_allclose(found.displacement[:, 1, 0] * case.scale.length, exact, rtol=0.0, atol=1e-7)
+    given = sum(size * (1.0 - np.cos(w * t)) for size, w in tones)
+    np.testing.assert_allclose(found.displacement[:, 0, 0] * case.scale.length, given, rtol=0.0, atol=1e-12)
+    assert ConservationMeter(found.problem).read([found]).energy_drift < 1e-8
+
+
+def test_behind_the_front_of_a_piston_beads_move_with_its_velocity_and_at_the_front_with_almost_twice_that(tmp_path):
+    """A bead that elastic beads of velocity 2 V hit one after the other, seen from the piston, has 2 V at most."""
+    scene_of = {"name": "piston", "beads": 120, "drive": {"velocity": 0.02}, "duration": 250}
+    found = run(library.from_plain(scene_of, "x"), tmp_path / "run")
+    velocity = found.trajectory.velocity[:, 0]
+    assert np.all(velocity[:, 0] == 1.0)
+    peaks = velocity.max(axis=0)
+    passed = np.flatnonzero(velocity[-1] > 0.1)[-1] - 2
+    assert np.all(np.diff(peaks[2 : passed - 2]) > -5e-3)  # at frames, which miss the maximum by as much
+    assert 1.985 < peaks[passed - 10 : passed - 2].max() < 2.0
+    late = found.trajectory.time > found.trajectory.time[-1] - 60.0
+    assert np.mean(velocity[late][:, 2:20]) == pytest.approx(1.0, abs=5e-3)
+    assert found.check.velocity < 2e-4
+
+
+@pytest.mark.slow
+def test_a_record_of_100_000_velocities_of_a_sine_moves_the_beads_as_the_sine_in_both_engines(tmp_path):
+    omega, duration = 0.7, 20.0
+    time = np.linspace(0.0, duration, MOST_POINTS)
+    lines = zip(time.tolist(), (0.3 * np.cos(omega * time)).tolist(), strict=True)
+    (tmp_path / "record.csv").write_text("time,velocity\n" + "".join(f"{t!r},{v!r}\n" for t, v in lines))
+    keys = "beads: 8\nduration: 20\ntimestep: 0.01\noutput: {every: 0.5}\n"
+    (tmp_path / "a.yaml").write_text(f"name: a\n{keys}drive: {{table: record.csv}}\n")
+    recorded = run(library.find(str(tmp_path / "a.yaml")), tmp_path / "run")
+    sine = {"displacement": 0.3 / omega, "frequency": omega / (2.0 * math.pi)}
+    harmonic = run(library.from_plain({**yaml.safe_load(keys), "name": "b", "drive": sine}, "b"), tmp_path / "sine")
+    apart = np.max(np.abs(recorded.trajectory.velocity - harmonic.trajectory.velocity))
+    assert apart < 1e-6  # (omega h)^2 / 8 = 2.5e-9 at the driven bead
+    assert recorded.check.velocity == pytest.approx(harmonic.check.velocity, rel=1e-3)
+    assert (tmp_path / "run" / file_names.TABLES).is_file()
+
+
+@pytest.mark.parametrize(
+    ("content", "drive", "complaint"),
+    [
+        ("time,velocity\n0,0\n1,x\n", "", "m.csv:3: '1,x' found; two numbers are needed, time and displacement or vel"),
+        ("0,0\n1,2\n", "", "quantity: is missing; a table without names of its columns needs it"),
+        ("time,velocity\n0,0\n1,2\n", ", quantity: displacement", "m.csv:1: the column velocity is named, but drive.q"),
+        ("time,velocity\n0,0\n1,2\n1,3\n", "", "m.csv:4: times must increase; 1 follows 1"),
+        ("time,displacement\n0,1\n1,2\n", "", "must begin with a displacement of 0"),
+    ],
+)
+def test_a_table_of_a_motion_that_is_none_is_one_line(content, drive, complaint, tmp_path):
+    (tmp_path / "m.csv").write_text(content)
+    (tmp_path / "a.yaml").write_text(f"name: a\nbeads: 20\nduration: 10\ndrive: {{table: m.csv{drive}}}\n")
+    with pytest.raises(InputError) as caught:
+        library.find(str(tmp_path / "a.yaml"))
+    assert complaint in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_motion_from_a_file_is_written_into_the_scene_with_what_its_first_line_says(tmp_path):
+    (tmp_path / "m.csv").write_text("time; velocity\n0; 0\n1.5; 2\n")
+    (tmp_path / "a.yaml").write_text("name: a\nbeads: 20\nduration: 10\ndrive: {bead: 2, table: m.csv}\n")
+    one = library.find(str(tmp_path / "a.yaml"))
+    assert one.plain()["drive"] | {"quantity": "velocity", "table": [[0.0, 0.0], [1.5, 2.0]]} == one.plain()["drive"]
+    assert one.scale.velocity == 2.0
+    assert library.from_plain(yaml.safe_load(yaml.safe_dump(one.plain())), "x") == one
 
 
 @pytest.mark.slow

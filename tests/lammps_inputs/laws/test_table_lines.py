@@ -27,7 +27,7 @@ TIMES = {
 def table(times):
     value = RNG.uniform(-1.0, 1.0, len(times))
     value[[0, -1]] = 0.0
-    return in_time.make_table(times, value)
+    return in_time.of_force(times, value)
 
 
 @pytest.mark.parametrize("times", TIMES.values(), ids=TIMES)

@@ -83,6 +83,7 @@ EXAMPLES = {
 @pytest.mark.parametrize("example", sorted(EXAMPLES))
 def test_examples_are_valid_scenes(example, tmp_path):
     (tmp_path / "hammer.csv").write_text("0, 0\n1, 0.5\n2, 0\n", encoding="utf-8")
+    (tmp_path / "shaker.csv").write_text("time,velocity\n0, 0\n1, 0.5\n", encoding="utf-8")
     (tmp_path / "scene.yaml").write_text(example, encoding="utf-8")
     has = set(re.findall(r"[\w.]+", example))
     base = {"name": "example", "chains": 3 if "ring" in has else 2, "beads": 1000 if "990]" in example else 120}

@@ -16,7 +16,7 @@ from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, Material, Output
 from lammps_inputs.ingredients.foundation import Foundation
 from lammps_inputs.ingredients.unequal import BeadKind, radii
-from lammps_inputs.laws.in_time import HalfSine
+from lammps_inputs.laws.in_time import half_sine
 from lammps_inputs.loads import Load
 from workflow.measures.forces.measurement import ForceMeasurement
 from workflow.measures.forces.readings import Readings
@@ -321,7 +321,7 @@ def test_forces_of_gauges_and_pushes_are_drawn_over_time_in_the_units_of_the_pag
     places = (SimpleNamespace(name="right wall"), SimpleNamespace(name="contact 2"))
     numbers = [np.ones((3, 2))] * 8
     readings = Readings(places, np.array([0.0, 1.0, 2.0]), half, *numbers, *numbers[:2], np.zeros((3, 2), dtype=int))
-    push = Load(2, 4, HalfSine(0.5, 3.0))
+    push = Load(2, 4, half_sine(0.5, 3.0))
     pushed = replace(problem, system=replace(problem.system, loads=(push,)))
     gauged, external = run_page.forces(pushed, part, ForceMeasurement(problem, [], readings), Range1d(0, 1), units)
     assert (gauged.title.text, external.title.text) == ("total force at gauges", "external force on beads")

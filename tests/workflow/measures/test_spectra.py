@@ -10,6 +10,7 @@ from small_problems import problem, written_down
 
 from analysis.quantity import csv_of
 from analysis.sharing.run_error import MeasuredError
+from lammps_inputs.laws.in_time import Oscillation
 from lammps_inputs.loads import Motion
 from lammps_inputs.units import make_scale
 from workflow.measures.spectra import (
@@ -44,7 +45,7 @@ def test_two_sines_far_from_each_other_do_not_leak():
 def test_spectra_are_of_the_beads_named_from_the_time_named_or_half_the_duration_on():
     """Until t = 6 all stands still; then bead 3 of chain 2 swings by 0.4, at the drive's frequency."""
     frequency = 0.75  # three swings in the last four of time
-    driven = problem(recorded=(2, 3, 8), motions=(Motion(1, 1, 0.1, 2.0 * np.pi * frequency, 0.0),))
+    driven = problem(recorded=(2, 3, 8), motions=(Motion(1, 1, (Oscillation(0.1, 2.0 * np.pi * frequency, 0.0),)),))
     here = np.array([[0.0, 0.0, 0.0], [0.0, 0.4, 0.0]])
     trajectory = written_down(
         driven, lambda t: (0.0 * t, here * np.where(t < 6.0, 0.0, np.sin(2.0 * np.pi * frequency * t)))
@@ -59,7 +60,7 @@ def test_spectra_are_of_the_beads_named_from_the_time_named_or_half_the_duration
 
 @pytest.mark.parametrize(("frequency", "seen"), [(4.9, True), (5.1, False)])
 def test_a_drive_with_less_than_two_frames_a_cycle_has_no_amplitude(frequency, seen):
-    driven = problem(motions=(Motion(1, 1, 0.1, 2.0 * np.pi * frequency, 0.0),))
+    driven = problem(motions=(Motion(1, 1, (Oscillation(0.1, 2.0 * np.pi * frequency, 0.0),)),))
     run = written_down(driven, lambda t: (0.0 * t, np.sin(2.0 * np.pi * frequency * t)))
     assert np.isfinite(SpectrumMeter(driven, (3,), 0.0).read([run]).at_drive).all() == seen
 

@@ -532,7 +532,7 @@ class _Writer:
                 f"x[k] += gone{by_mass}",
                 f"v[k] += given{by_mass}",
             ]
-            loops += _over(term, *lines, *["work[0] += given * 0.5 * (early + v[k])"] * counts)
+            loops += _over(term.over, *lines, *["work[0] += given * 0.5 * (early + v[k])"] * counts)
         return loops
 
     def _effects_of_loads(self, factor: str = "") -> tuple[list[str], list[str], list[str]]:
@@ -540,9 +540,9 @@ class _Writer:
         travels, gifts, at = [], [], []
         for term, by_mass, _ in self._acting_in_drifts():
             impulse, gone = self._impulse_and_way(term)
-            travels += _over(term, f"gone = {gone}", f"x[k] += {factor}gone{by_mass}")
-            gifts += _over(term, f"given = {impulse}", f"v[k] += {factor}given{by_mass}")
-            at += _over(term, f"a[k] += {self._call(term, 'force', 'time')}{by_mass}")
+            travels += _over(term.over, f"gone = {gone}", f"x[k] += {factor}gone{by_mass}")
+            gifts += _over(term.over, f"given = {impulse}", f"v[k] += {factor}given{by_mass}")
+            at += _over(term.over, f"a[k] += {self._call(term, 'force', 'time')}{by_mass}")
         return travels, gifts, at
 
     def _functions_of_loads(self) -> list[str]:
@@ -557,14 +557,14 @@ class _Writer:
         for term in self._terms.loads:
             after, before = (self._call(term, "impulse", f"time {sign} 0.5 * h") for sign in "+-")
             change = f"v[k] += given / h * factor * (2.0 if time == 0.0 else 1.0){self._terms.per_mass}"
-            loops += _over(term, f"given = {after} - {before}", change)
+            loops += _over(term.over, f"given = {after} - {before}", change)
         return loops
 
     def _held_motions(self) -> list[str]:
         """Loops over the work of beads whose motion is given against forces of positions in a kick."""
         _, others = self._other_forces()
         work = f"work[0] -= factor * (push[k] - push[k + {self._terms.row}]{others}) * v[k]"
-        return [line for term in self._terms.motions for line in _over(term, work, everywhere=True)]
+        return _over(self._terms.moved, work, everywhere=True) if self._terms.motions else []
 
     def _work_of_springs(self) -> list[str]:
         """Loops over the work of varying springs to the ground in a kick: time advances in drifts, as positions do."""
@@ -578,10 +578,7 @@ class _Writer:
     def _held_by_dashpots(self) -> list[str]:
         """Loops over what dashpots take from beads whose motion is given, and so from what moves them."""
         held = "held = lost[0, k] + lost[1, k] + lost[2, k] + lost[3, k] + held"
-        lines = ["held = 0.0"]
-        for term in self._terms.motions[::-1]:
-            lines += _over(term, held, everywhere=True, backwards=True)
-        return lines
+        return ["held = 0.0", *_over(self._terms.moved, held, everywhere=True, backwards=True)]
 
     # --- dashpots -----------------------------------------------------------------------------------------------------
 
@@ -631,7 +628,7 @@ class _Writer:
         counted, taken = [], []
         for term in self._terms.loads:
             at = [self._call(term, "impulse", f"time{later}") for later in ("", " + 0.5 * duration", " + duration")]
-            counted += _over(term, f"since, half, until = {', '.join(at)}", f"work[0] += {_OVER_THE_WAY}")
+            counted += _over(term.over, f"since, half, until = {', '.join(at)}", f"work[0] += {_OVER_THE_WAY}")
         for kind, terms in list(enumerate(self._terms.dampers))[1:]:
             lines = []
             for number, (name, x) in enumerate((("since", "place"), ("half", "trial"), ("until", "x"))):
@@ -674,11 +671,11 @@ def _filled(text: str, **places: str | list[str] | bool) -> str:
     return "\n".join(done)
 
 
-def _over(term: Term, *lines: str, everywhere: bool = False, backwards: bool = False) -> list[str]:
-    """A loop that runs lines at the places of laws in time, by default at those in the rows that can move."""
-    count = f"{term.over}.shape[0]"
+def _over(places: str, *lines: str, everywhere: bool = False, backwards: bool = False) -> list[str]:
+    """A loop that runs lines at the places in an array, by default at those in the rows that can move."""
+    count = f"{places}.shape[0]"
     order = f"{count} - 1, -1, -1" if backwards else count
-    begin = [f"for n in range({order}):", f"    k = {term.over}[n]"]
+    begin = [f"for n in range({order}):", f"    k = {places}[n]"]
     if everywhere:
         return [*begin, *(f"    {line}" for line in lines)]
     return [*begin, "    if low <= k < high:", *(f"        {line}" for line in lines)]

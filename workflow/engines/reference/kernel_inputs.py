@@ -13,7 +13,7 @@ Examples:
 """
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from lammps_inputs import System, laws, physics
 from lammps_inputs.laws import dashpot
+from lammps_inputs.laws.in_time import TimeLaw
 from lammps_inputs.links import Kind, Links
-from lammps_inputs.loads import Load, Motion
 
 Floats = NDArray[np.float64]
 
@@ -89,11 +89,13 @@ class Terms:
         contacts, across, ground, walls: laws of force.
         dampers: laws of damping along, across and to the ground.
         wall_dampers: those of walls.
-        loads, motions: laws in time, of forces on beads and of the acceleration of beads whose motion is given.
+        loads, motions: laws in time, of forces on beads and of the motion of beads whose motion is given.
+        moved: array of the places of these beads; empty where there is none.
         inverse_mass: name of one over the masses; empty where all are 1.
         dashpots: how they act: as in LAMMPS with those of half a step before, in the kicks, or in the drifts.
         as_lammps: whether loads act as LAMMPS has them.
-        bends: array of times at which stiffnesses change abruptly, where steps are split; empty if there are none.
+        bends: array of times at which stiffnesses or prescribed velocities change abruptly, where steps are split;
+            empty if there are none.
         counts_work: whether the work of loads, motions and springs that vary is counted.
     """
 
@@ -107,6 +109,7 @@ class Terms:
     wall_dampers: tuple[Term, ...]
     loads: tuple[Term, ...]
     motions: tuple[Term, ...]
+    moved: str
     inverse_mass: str
     dashpots: Literal["none", "half step", "kick", "drift"]
     as_lammps: bool
@@ -150,20 +153,22 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
     between = f"{{x}}[k - {row}] - {{x}}[k] - {gap}", f"{{v}}[k - {row}] - {{v}}[k]"
     dampers = {kind: [link for link in system.dampers if link.kind == kind] for kind in get_args(Kind)}
     cut = any(dashpot.cut(link.law) for link in system.dampers)
-    bends = np.unique([time for link in system.ground if link.law.varies for time in link.law.bends])
+    varying = [link.law.bends for link in system.ground if link.law.varies]
+    bends = np.unique(np.concatenate([*varying, *(law.leaps for each in system.motions for law in each.laws), []]))
     inverse = _inverse_mass(system, step if as_lammps and physics.velocity_at_full_steps(system) else 0.0)
     terms = Terms(
         contacts=tuple(taken.term(link.law, *between, first=2, state_at="[k]") for link in system.along),
         across=taken.terms(system.across),
-        ground=taken.terms(system.ground),
+        ground=taken.terms((*system.ground, *system.weights)),
         walls=taken.terms(system.walls),
         dampers=(
             tuple(taken.term(link.law, *between, first=2) for link in dampers["along"]),
             *(taken.terms(dampers[kind]) for kind in ("across", "ground")),
         ),
         wall_dampers=taken.terms(dampers["wall"]),
-        loads=taken.acting(system.loads),
-        motions=taken.acting(system.motions),
+        loads=taken.acting([(load.chain, load.bead, load.law) for load in system.loads]),
+        motions=taken.acting([(each.chain, each.bead, law) for each in system.motions for law in each.laws]),
+        moved=taken.places([(each.chain, each.bead) for each in system.motions]) if system.motions else "",
         inverse_mass="" if inverse is None else taken.add("inverse_mass", inverse),
         dashpots="none" if not system.dampers else "half step" if as_lammps else "kick" if cut else "drift",
         as_lammps=as_lammps,
@@ -229,18 +234,22 @@ class _Parameters:
                 terms.append(replace(term, time="time" * link.law.varies))
         return tuple(terms)
 
-    def acting(self, loads: Sequence[Load | Motion]) -> tuple[Term, ...]:
-        """Laws in time; one term for those that follow each other and are of one kind."""
+    def acting(self, acting: Sequence[tuple[int, int, TimeLaw]]) -> tuple[Term, ...]:
+        """Laws in time of beads (chain, bead); one term for those that follow each other and are of one kind."""
         terms = []
-        for _, group in itertools.groupby(loads, _shape):
+        for _, group in itertools.groupby(acting, lambda each: _shape(each[2])):
             alike = list(group)
-            places = [load.bead * self._lines + load.chain - 1 for load in alike]
-            at = self.add("at", np.array(places, dtype=np.uint64))
-            law: Any = alike[0].law
-            values = zip(law.names, zip(*(load.law for load in alike), strict=True), strict=True)
+            at = self.places([place for *place, _ in alike])
+            law: Any = alike[0][2]
+            values = zip(law.names, zip(*(each for *_, each in alike), strict=True), strict=True)
             parameters = tuple(f"{self.add(label, np.array(value))}[n]" for label, value in values)
             terms.append(Term(type(law), "", "", parameters, at))
         return tuple(terms)
+
+    def places(self, beads: Iterable[Sequence[int]]) -> str:
+        """Add the places of beads (chain, bead); its name in programs."""
+        places = [bead * self._lines + chain - 1 for chain, bead in beads]
+        return self.add("at", np.array(places, dtype=np.uint64))
 
     def _across(self, link: Links) -> list[Term]:
         law: Any = link.law
@@ -271,9 +280,9 @@ def _relative(apart: str) -> tuple[str, str]:
     return f"{{x}}[k] - {{x}}[k + {apart}]", f"{{v}}[k] - {{v}}[k + {apart}]"
 
 
-def _shape(load: Load | Motion) -> tuple[Any, ...]:
-    """What loads must share to be one term: the law, and how many numbers each of its parameters has."""
-    return type(load.law), tuple(map(np.shape, load.law))
+def _shape(law: TimeLaw) -> tuple[Any, ...]:
+    """What laws in time must share to be one term: the class, and how many numbers each of its parameters has."""
+    return type(law), tuple(map(np.shape, law))
 
 
 def _inverse_mass(system: System, step: float) -> Floats | None:

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -25,11 +25,13 @@ def refuse_no_response(problem: Problem, source: str) -> None:
         InputError: says what is missing, or not allowed.
     """
     system = problem.system
-    if not all(load.law.omega for load in system.loads):
+    if not all(each.law.omega for each in system.loads):
         raise InputError(f"{source}: push: is not sinusoidal; `--frequencies` needs a `drive` alone")
     if physics.varying(system):
         raise InputError(f"{source}: foundation: varies in time; `--frequencies` needs a `drive` alone")
-    frequencies = sorted({action.omega for action in _drives(system)})
+    if not all(law.omega for law in _laws(system)):
+        raise InputError(f"{source}: drive: is not sinusoidal; `--frequencies` needs a sinusoidal one")
+    frequencies = sorted({law.omega for law in _laws(system)})
     if not frequencies:
         raise InputError(f"{source}: drive: is missing; `--frequencies` gives responses to a sinusoidal drive")
     if len(frequencies) > 1:
@@ -40,16 +42,20 @@ def refuse_no_response(problem: Problem, source: str) -> None:
     slowest_decay(problem, source)
 
 
-def _drives(system: System) -> list[Any]:
-    """Motions, and laws of loads, of sinusoidal drives."""
-    return [*system.motions, *(load.law for load in system.loads)]
+def _laws(system: System) -> list[Any]:
+    """Laws in time of motions and loads."""
+    return [law for motion in system.motions for law in motion.laws] + [load.law for load in system.loads]
 
 
 def at_period(problem: Problem, period: float) -> Problem:
     """The problem with all drives of another period, in units of T."""
     omega, system = 2.0 * math.pi / period, problem.system
-    loads = tuple(replace(load, law=replace(cast(Any, load.law), omega=omega)) for load in system.loads)
-    motions = tuple(replace(prescribed, omega=omega) for prescribed in system.motions)
+
+    def changed(law: Any) -> Any:
+        return law.of(*(law.numbers | {"omega": omega}).values())
+
+    loads = tuple(replace(load, law=changed(load.law)) for load in system.loads)
+    motions = tuple(replace(prescribed, laws=tuple(map(changed, prescribed.laws))) for prescribed in system.motions)
     return replace(problem, system=replace(system, loads=loads, motions=motions))
 
 
@@ -93,17 +99,18 @@ def linear_response(problem: Problem) -> tuple[Floats, Floats]:
         problem: with the drive's frequency.
     """
     system = problem.system
-    omega = _drives(system)[0].omega
+    omega = _laws(system)[0].omega
     mass, moving = mass_of_atoms(system), moving_atoms(system).ravel()
     force, prescribed_motion = np.zeros((2, *mass.shape), dtype=complex)
     offset = np.zeros(mass.shape)
     for load in system.loads:
-        peak, _, phase = cast(Any, load.law)
+        peak, _, phase = load.law.numbers.values()
         force[load.chain - 1, load.bead - 1] += peak * np.exp(1j * phase)
     for prescribed in system.motions:
         place = prescribed.chain - 1, prescribed.bead - 1
-        prescribed_motion[place] = prescribed.amplitude * np.exp(1j * prescribed.phase)
-        offset[place] = -prescribed.amplitude * math.sin(prescribed.phase)
+        for amplitude, _, phase in (law.numbers.values() for law in prescribed.laws):
+            prescribed_motion[place] += amplitude * np.exp(1j * phase)
+            offset[place] -= amplitude * math.sin(phase)
     stiffness = stiffness_matrix(system)
     dynamic = stiffness - omega**2 * np.diag(mass.ravel()) + 1j * omega * damping_matrix(system)
     complex_amplitude, shift = prescribed_motion.ravel(), offset.ravel()

@@ -9,7 +9,7 @@ from small_problems import problem
 from truth import Truth
 
 from analysis.conservation import ConservationMeter
-from lammps_inputs.laws.in_time import HalfSine, Rectangular
+from lammps_inputs.laws.in_time import half_sine, rectangular
 from lammps_inputs.loads import Load
 from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
@@ -34,7 +34,7 @@ def test_a_push_that_ends_abruptly_gives_the_exact_motion_and_its_impulse():
 
 @pytest.mark.slow
 def test_a_force_that_ends_at_a_frame_leaves_order_one_there_and_two_afterwards():
-    one = pushed(Load(1, 1, Rectangular(0.5, 2.0)), frames=60)
+    one = pushed(Load(1, 1, rectangular(0.5, 2.0)), frames=60)
     right = engine.run(one, steps_per_frame=64).velocity
     errors = [
         np.max(np.abs(engine.run(one, steps_per_frame=steps, scheme=VERLET).velocity - right), axis=(1, 2))
@@ -50,7 +50,7 @@ def test_a_very_short_push_tends_to_the_kick_in_proportion_to_its_duration():
     kicked = passages(problem(chains=1, beads=60, frames=700), timestep=0.02)
     away = []
     for duration in (0.4, 0.2, 0.1, 0.05):
-        load = Load(1, 1, Rectangular(1.0 / duration, duration))
+        load = Load(1, 1, rectangular(1.0 / duration, duration))
         waves = passages(pushed(load, chains=1, beads=60, frames=700), timestep=0.02)
         away.append(kicked.at(50).peak_velocity[0] - waves.at(50).peak_velocity[0])
     assert kicked.at(50).peak_velocity[0] == pytest.approx(0.68163, abs=1e-5)
@@ -61,7 +61,7 @@ def test_a_very_short_push_tends_to_the_kick_in_proportion_to_its_duration():
 @pytest.mark.slow
 def test_the_work_on_frames_is_that_on_their_own_motion():
     """A bead that leaves its chain on a spring: the same push does 2% more on a motion that is 2% larger."""
-    one = pushed(Load(1, 8, HalfSine(0.8, 2.03)), steps_per_frame=50, frames=6)
+    one = pushed(Load(1, 8, half_sine(0.8, 2.03)), steps_per_frame=50, frames=6)
     own = engine.run(one)
     larger = replace(own, displacement=1.02 * own.displacement, velocity=1.02 * own.velocity, exchange=None)
     (counted,) = Accountant(one).counted([larger])
@@ -71,7 +71,7 @@ def test_the_work_on_frames_is_that_on_their_own_motion():
 
 
 def test_nothing_moves_that_the_push_has_not_reached():
-    one = pushed(Load(1, 20, HalfSine(0.8, 2.0)), chains=1, beads=40, frames=50)
+    one = pushed(Load(1, 20, half_sine(0.8, 2.0)), chains=1, beads=40, frames=50)
     whole = engine.run(one)
     narrow = engine.run(one, rows=34)
     np.testing.assert_array_equal(whole.velocity, narrow.velocity)
@@ -81,7 +81,7 @@ def test_nothing_moves_that_the_push_has_not_reached():
 @pytest.mark.slow
 def test_no_load_leaves_the_bits_of_a_kicked_run():
     one = problem()
-    never = replace(one, system=replace(one.system, loads=(Load(2, 5, Rectangular(0.0, 2.0)),)))
+    never = replace(one, system=replace(one.system, loads=(Load(2, 5, rectangular(0.0, 2.0)),)))
     np.testing.assert_array_equal(
         engine.run(one, steps_per_frame=4).velocity, engine.run(never, steps_per_frame=4).velocity
     )
