@@ -141,7 +141,7 @@ _KEYS = [
     _changed(
         "key of a part",
         "velocity:",
-        "(did you mean `striker.velocity` or `kick.velocity` or `drive.velocity`?)",
+        "(did you mean `striker.velocity` or `kick.velocity` or `drive.velocity`",
         velocity="1",
     ),
     _changed("key of a scene in a part", "kick.gap:", "(did you mean `gap`?)", kick="{velocity: 1, gap: 2}"),
