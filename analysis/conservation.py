@@ -29,16 +29,20 @@ def energy_input(block: Trajectory) -> Floats:
     NaN where the work of pushes, drives and springs is unknown: the frames have no ``exchange``.
     """
     problem = block.problem
+    if problem.system.weights and not physics.acted_on(problem.system):
+        return physics.energy_at_start(problem.system) + _work_of_weights(block)
     if not physics.acted_on(problem.system):
         return np.full(block.frames, physics.energy(problem.system))
     if block.exchange is None:
         return np.full(block.frames, np.nan)
-    return np.asarray(kinetic_energy_at_start(problem) + block.exchange[:, -1])
+    return np.asarray(physics.energy_at_start(problem.system) + block.exchange[:, -1] + _work_of_weights(block))
 
 
-def kinetic_energy_at_start(problem: Problem) -> float:
-    """Kinetic energy of the kicked beads and of those of prescribed motion at the start, in units of m V**2."""
-    return 0.5 * float(np.sum(problem.system.mass * physics.initial_velocity(problem.system) ** 2))
+def _work_of_weights(block: Trajectory) -> Floats:
+    """Work of the weights since the start, [frame] in units of m V**2; 0 where none fall."""
+    at_start = physics.initial_state(block.problem.system)[0]
+    work = physics.weight_energy(block.problem.system, block.displacement)
+    return np.broadcast_to(work - physics.weight_energy(block.problem.system, at_start), block.frames)
 
 
 _SHOWN = 5e-5
@@ -53,11 +57,11 @@ class Account:
     """Energy over time, each [instant]."""
 
     time: Floats = declare("time of some frames", "time", symbol="t")
-    energy_input: Floats = declare("energy input until then, by kicks and by forces from outside", "energy")
+    energy_input: Floats = declare("energy input until then: at the start, and by forces from outside", "energy")
     kinetic: Floats = declare("kinetic energy", "energy")
     contacts: Floats = declare("energy of the contacts", "energy")
     springs: Floats = declare("energy of the springs between chains", "energy")
-    ground: Floats = declare("energy of the foundation, and of weights", "energy")
+    ground: Floats = declare("energy of the foundation", "energy")
     walls: Floats = declare("energy of the contacts with walls", "energy")
     resonators: Floats = declare("energy of the resonators: kinetic, and of their springs", "energy")
     dissipated: dict[str, Floats] = declare("energy dissipated until then, by the name of the dashpots", "energy")
@@ -165,7 +169,8 @@ def _exchanged(block: Trajectory) -> tuple[Floats, Floats]:
     """
     exchange = np.zeros((block.frames, len(EXCHANGES))) if block.exchange is None else block.exchange
     yielded = np.broadcast_to(physics.dissipated_by_contacts(block.system), block.frames)
-    return kinetic_energy_at_start(block.problem) + exchange[:, -1], np.column_stack([exchange[:, :-1], yielded])
+    supplied = physics.energy_at_start(block.problem.system) + exchange[:, -1] + _work_of_weights(block)
+    return supplied, np.column_stack([exchange[:, :-1], yielded])
 
 
 _OF_BEADS = ("kinetic", "contacts", "springs", "ground", "walls")
@@ -176,7 +181,7 @@ STORED = (*_OF_BEADS, "resonators")
 _PLACES = {
     "contacts": "in contacts",
     "springs": "in springs between chains",
-    "ground": "in springs to the ground and weights",
+    "ground": "in springs to the ground",
     "walls": "in contacts with walls",
     "resonators": "in resonators",
 }
@@ -303,7 +308,7 @@ class ConservationMeter(Meter[_Drifts, Conservation]):
         """Whether the energy is compared with the input less the dissipated energy, by an energy budget."""
         system = self.problem.system
         further = physics.lines(system) > system.chains
-        return physics.exchanges(system) or not system.holds(Fact.FRAMES) or further
+        return physics.exchanges(system) or not system.holds(Fact.FRAMES) or further or bool(system.weights)
 
     def _accounted(self, block: Trajectory) -> bool:
         """Whether frames have an energy budget: the energy that is exchanged is known, and that may be none."""
@@ -365,7 +370,7 @@ class ConservationMeter(Meter[_Drifts, Conservation]):
         if not self._accounted(block):
             return np.nan, np.nan
         energy_input, lost = _exchanged(block)
-        missing = energy + np.sum(lost, axis=1) - energy_input
+        missing = energy + physics.weight_energy(system, block.displacement) + np.sum(lost, axis=1) - energy_input
         return float(np.max(np.abs(missing))), float(np.max(np.abs(energy_input)))
 
     def _momentum(self, block: Trajectory, momentum: Floats) -> float:

@@ -40,6 +40,10 @@ kicks, on springs whose stiffness varies.
 """
 
 
+_FALLS = 100
+"""Iterations of a bound on the energy of beads that fall, each of which takes a part of what is missing."""
+
+
 def once(compute: Callable[[System], Found]) -> Callable[[System], Found]:
     """Function that computes its value once for each system and then returns the stored one."""
     name = f"_{compute.__name__}"
@@ -137,6 +141,10 @@ def why_no_pulse(system: System) -> str:
             f"{system.others} of angular frequency {slowest:.3g} / T are slower than a pulse, whose rate is "
             f"{PULSE_RATE} / T"
         )
+    if system.start is not None and np.any(system.start.displacement):
+        return "beads are displaced at the start, which may send out several pulses"
+    if system.weights:
+        return "beads fall, and send out a pulse whenever they meet"
     if farthest(system) > 0.0:
         return "pulses are not followed where contacts act at a distance"
     return "no pulse keeps its shape in this scene"
@@ -150,6 +158,8 @@ def farthest(system: System) -> float:
 
 def uniform(system: System) -> bool:
     """Whether no law differs from link to link, so that the beads might be more."""
+    if system.start is not None or system.weights:
+        return False
     return isinstance(masses(system), float) and not any(link.differ for link in system.links)
 
 
@@ -162,7 +172,12 @@ def energy(system: System) -> float:
     A load that never ends has no bound; then it is the energy of beads some times faster than the drive, which one
     contact is taken to hold. Runs are checked for overlaps that LAMMPS could not hold.
     """
-    kicked = 0.5 * sum(_kicked_mass(system, kick) * kick[2] ** 2 for kick in system.kicks)
+    if system.start is None:
+        kicked = 0.5 * sum(_kicked_mass(system, kick) * kick[2] ** 2 for kick in system.kicks)
+    else:
+        kicked = _energy_of_start(system)
+    if system.weights:
+        kicked = _energy_of_fall(system, kicked)
     if varying(system):
         kicked *= _FASTER**2
     if not driven(system) and not system.loads:
@@ -178,13 +193,90 @@ def energy(system: System) -> float:
     return 0.5 * (math.sqrt(2.0 * kicked) + growth) ** 2
 
 
+def energy_at_start(system: System) -> float:
+    """Energy at the start: kinetic, and what links store at the displacements, in units of m V**2."""
+    return 0.5 * float(np.sum(masses(system) * initial_state(system)[1] ** 2)) + stored_at_start(system)
+
+
+@once
+def _energy_of_start(system: System) -> float:
+    """Energy at the start without that of given motions."""
+    return 0.5 * float(np.sum(masses(system) * _state_of_start(system)[1] ** 2)) + stored_at_start(system)
+
+
+@once
+def stored_at_start(system: System) -> float:
+    """Energy that links store at the displacements at the start, in units of m V**2."""
+    return sum(float(np.sum(energies)) for energies in _stored(system))
+
+
+def released_speed(system: System) -> float:
+    """Speed, in units of V, of a bead of mass 1 with the energy of the link that stores most at the start."""
+    return math.sqrt(2.0 * max((float(np.max(energies)) for energies in _stored(system)), default=0.0))
+
+
+def _stored(system: System) -> list[NDArray[np.float64]]:
+    """Energies of the links of each kind at the start, [..., link]."""
+    if system.start is None or not np.any(system.start.displacement):
+        return []
+    x, links = system.start.displacement, at(system, 0.0).links
+    return [link.energy(x[link.lines_among(system.chains)]) for link in links if not link.law.constant]
+
+
+@once
+def _energies_of_fall(system: System) -> tuple[float, float]:
+    """Energy that weights can supply to all contacts but one, and the largest weight on one."""
+    x = initial_state(system)[0, : system.chains]
+    supports = [wall for wall in system.walls if wall.side > 0.0]
+    if not supports:  # all fall alike
+        return 0.0, 0.0
+    carried = np.cumsum(-sum((link.force(x) for link in system.weights), np.zeros_like(x)), axis=-1)  # ahead of a bead
+    gaps = np.broadcast_to(system.along[0].gap, (system.chains, system.beads - 1))
+    # a bead falls through all gaps ahead of it: the weight on each gap through that gap
+    falls = np.sum(carried[:, :-1] * gaps) + np.sum(carried[:, -1] * supports[0].gap)
+    supplied = float(falls + weight_energy(system, -x))
+    touching = [(link.law, carried[:, :-1]) for link in system.along]
+    for law, load in [*touching, (supports[0].law, carried[:, -1:])]:
+        rest = law.overlap_under(load)
+        supplied += float(np.sum(load * rest - laws.energy(law, rest)))
+    return supplied, float(np.max(carried))
+
+
+def _energy_of_fall(system: System, start: float) -> float:
+    """Bound on the energy of one contact of beads that fall onto each other and a wall, in units of m V**2.
+
+    ``sum over contacts of U(s) - F s`` is at most the energy at the start and that of free falls until all beads touch,
+    where F is the weight on a contact; every other contact takes ``F s - U(s)`` at its overlap under F at most.
+    """
+    supplied, heaviest = _energies_of_fall(system)
+    bound = least = max(start + supplied, 0.5)  # V is the velocity of a fall, if of nothing faster
+    touching = [link.law for link in (*system.along, *system.walls)]
+    for _ in range(_FALLS if heaviest else 0):
+        bound = least + heaviest * max(laws.max_strain(law, bound) for law in touching)
+    return bound
+
+
+def weight_energy(system: System, displacement: NDArray[np.float64]) -> Any:
+    """Work of the weights on the way from rest to displacements [..., chain, bead], [...] in units of m V**2."""
+    chains = displacement[..., : system.chains, :]
+    return sum((-np.sum(link.energy(chains), axis=(-2, -1)) for link in system.weights), 0.0)
+
+
 def momentum(system: System) -> float:
-    """Momentum of the kicks."""
+    """Momentum of the kicks, and of all velocities at the start."""
+    if system.start is not None:
+        return float(np.sum(masses(system) * _state_of_start(system)[1]))
     return sum(_kicked_mass(system, kick) * kick[2] for kick in system.kicks)
 
 
 def kick_momenta(system: System) -> float:
-    """Sum of the sizes of the kicks' momenta."""
+    """Sum of the sizes of the kicks' momenta, and of those of other velocities at the start.
+
+    Where displacements alone set beads in motion, the momentum of one bead with their energy.
+    """
+    if system.start is not None:
+        sizes = np.abs(masses(system) * _state_of_start(system)[1])
+        return float(np.sum(sizes)) or math.sqrt(2.0 * stored_at_start(system))
     return sum(_kicked_mass(system, kick) * abs(kick[2]) for kick in system.kicks)
 
 
@@ -193,20 +285,80 @@ def _kicked_mass(system: System, kick: tuple[int, int, float]) -> float:
 
 
 def initial_velocity(system: System) -> NDArray[np.float64]:
-    """Velocities at the start, [chain, bead], in units of V; displacements are zero."""
-    velocity = np.zeros((system.chains, system.beads))
-    for chain, bead, value in system.kicks:
-        velocity[chain - 1, bead - 1] = value
-    for motion in system.motions:
-        velocity[motion.chain - 1, motion.bead - 1] = motion.velocity(0.0)
+    """Velocities at the start, [chain, bead], in units of V."""
+    velocity: NDArray[np.float64] = initial_state(system)[1, : system.chains]
     return velocity
 
 
+def initial_state(system: System) -> NDArray[np.float64]:
+    """Displacements and velocities of all atoms at the start, [2, line, bead], in units of L and V."""
+    state = _state_of_start(system)
+    for motion in system.motions:
+        state[:, motion.chain - 1, motion.bead - 1] = motion.displacement(0.0), motion.velocity(0.0)
+    return state
+
+
+def _state_of_start(system: System) -> NDArray[np.float64]:
+    """The initial state, [2, line, bead], without given motions."""
+    state = np.zeros((2, lines(system), system.beads))
+    if system.start is not None:
+        state[:] = system.start.displacement, system.start.velocity
+    for chain, bead, value in system.kicks:
+        state[1, chain - 1, bead - 1] += value
+    return state
+
+
 def excitations(system: System) -> tuple[tuple[int, int, float], ...]:
-    """(chain, bead, impulse), counted from 1, of every kick, load and motion: what sets the beads in motion."""
+    """(chain, bead, impulse), counted from 1, of every kick, load and motion: what sets the beads in motion.
+
+    Of a start, the velocity of every bead that has one, and the bead that displacements push most, with the speed that
+    the energy of one link gives. Where beads fall, the last bead of each chain with the speed of `fall_speeds`.
+    """
     loads = ((load.chain, load.bead, load.total_impulse) for load in system.loads)
     motions = ((motion.chain, motion.bead, motion.fastest) for motion in system.motions)
-    return (*system.kicks, *loads, *motions)
+    falls = ((chain, system.beads, speed) for chain in range(1, system.chains + 1) for speed in fall_speeds(system))
+    return (*system.kicks, *loads, *motions, *_of_start(system), *falls)
+
+
+def fall_speeds(system: System) -> list[float]:
+    """Speed, in units of V, of a fall through the gap and the overlap under a bead's weight; none without weights."""
+    laws_of_weights: list[Any] = [link.law for link in system.weights]
+    accelerations = [float(np.max(np.abs(law.acceleration))) for law in laws_of_weights]
+    return [math.sqrt(2.0 * g * (gap(system) + g ** (1.0 / (exponent(system) or 1.5)))) for g in accelerations]
+
+
+@once
+def _of_start(system: System) -> tuple[tuple[int, int, float], ...]:
+    if system.start is None:
+        return ()
+    velocity = system.start.velocity[: system.chains]
+    moving = [(chain + 1, bead + 1, float(velocity[chain, bead])) for chain, bead in np.argwhere(velocity).tolist()]
+    if not (speed := released_speed(system)):
+        return tuple(moving)
+    force = force_at_start(system)[: system.chains]
+    chain, bead = np.unravel_index(int(np.argmax(np.abs(force))), force.shape)
+    return (*moving, (int(chain) + 1, int(bead) + 1, math.copysign(speed, float(force[chain, bead]))))
+
+
+def force_at_start(system: System) -> NDArray[np.float64]:
+    """Force of all links on each atom at the start, [line, bead] in units of m V / T; loads are left out."""
+    x: NDArray[np.float64] = initial_state(system)[0]
+    force = np.zeros_like(x)
+    for link in at(system, 0.0).links:
+        among = link.lines_among(system.chains)
+        link.drive(force[among], link.force(x[among]))
+    return force
+
+
+def span_at_start(system: System) -> tuple[int, int]:
+    """First and last bead, counted from 1, that move or are pushed at the start; all others feel no force."""
+    if system.weights:
+        return 1, system.beads
+    beads = [bead for _, bead, _ in excitations(system)]
+    if system.start is not None:
+        displaced = np.flatnonzero(np.any(system.start.displacement, axis=0) | np.any(system.start.velocity, axis=0))
+        beads += (displaced[[0, -1]] + 1).tolist()
+    return min(beads), max(beads)
 
 
 def largest_excitation(system: System) -> tuple[int, int, float]:
@@ -410,7 +562,8 @@ def simply_coupled(system: System) -> bool:
 
     Its beads have the mass 1.
     """
-    free = isinstance(masses(system), float) and not system.ground and not system.walls
+    others = system.ground or system.walls or system.weights or system.start is not None
+    free = isinstance(masses(system), float) and not others
     return free and open_row(system) and not acted_on(system) and not system.dampers
 
 

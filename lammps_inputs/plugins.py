@@ -6,6 +6,7 @@ Those of granchain itself are declared in its ``pyproject.toml`` like those of a
 - ``granchain.contacts``: name of a law of contacts = class derived from `lammps_inputs.ingredients.contact.Contact`,
   which keys of ``contact`` choose; the first is that of no such key;
 - ``granchain.laws``: key of ingredients that names a law, ``force`` = module that makes laws of it;
+- ``granchain.starts``: ``run`` = function from the directory of a run to the keys of an initial state;
 - ``granchain.materials``: any name = dictionary from names to `lammps_inputs.materials.Solid`;
 - ``granchain.scenes``: any name = package in whose folder scenes stand as ``*.yaml``;
 - ``granchain.engines``: place in lists, and name = instance of `workflow.runs.engines.Engine`;

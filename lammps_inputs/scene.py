@@ -63,6 +63,7 @@ from lammps_inputs.output import Limits, Output, too_far_apart
 from lammps_inputs.problem import Problem
 from lammps_inputs.rows import Rows
 from lammps_inputs.scheme import SchemeName
+from lammps_inputs.starts import rounded, with_start
 from lammps_inputs.static_load import LoadError, under_load
 from lammps_inputs.system import System
 from lammps_inputs.units import PURE, Label, Scale, Unit, hertz_constant, make_scale, sphere_mass
@@ -113,7 +114,7 @@ _OF_BEADS = ("gap", "material", "window", *KEYS_OF_UNEQUAL)
 _OF_THE_RUN = {"name", "description", "duration", "until_bead", "timestep", "accuracy", "scheme", "limits", "output"}
 """Keys on which no system depends, as ingredients do not see them: a copy with others has the same."""
 
-_BUILT = {"gaps", "setting", "system", "_problem"}
+_BUILT = {"gaps", "setting", "system", "_problem", "_released"}
 """What is built of a scene once."""
 
 _EXCITATIONS = {
@@ -121,6 +122,8 @@ _EXCITATIONS = {
     "striker": "velocity of the striker",
     "push": "velocity of a free bead after the push",
     "drive": "largest velocity of the drive",
+    "initial": "velocity that the initial state can give a bead",
+    "gravity": "velocity of a fall through the gap",
 }
 
 
@@ -248,7 +251,10 @@ class BaseScene(ScenePart, metaclass=SceneType):
             raise ValueError(f"beads: {self.chains} x {self.beads} beads are more than LAMMPS numbers (2147483647)")
         if not self.kicks and not self._speed() > 0.0:
             missing = "" if "kick" in self.model_fields_set else "is missing; "
-            raise ValueError(f"kick: {missing}at least one bead must be kicked, or a striker, a push or a drive named")
+            raise ValueError(
+                f"kick: {missing}at least one bead must be kicked, or a striker, a push, a drive, or an initial state "
+                "that sets beads in motion named"
+            )
         for number, kick in enumerate(self.kicks):
             refuse_outside(_kick_key(self, number), kick, self.chains, self.beads)
         if len({(kick.chain, kick.bead) for kick in self.kicks}) < len(self.kicks):
@@ -280,7 +286,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
 
     def _check_further_atoms(self) -> None:
         """Refuse what is not known beside lines of atoms that are no beads."""
-        for key, _ in self._further_atoms:
+        for key, _ in self._further_atoms(self.setting):
             for other, ingredient in self.named:
                 if Fact.FRAMES in ingredient.lacks(self.setting):
                     reason = ingredient.reason(other, Fact.FRAMES)
@@ -507,7 +513,11 @@ class BaseScene(ScenePart, metaclass=SceneType):
             >>> f"T = {granchain.load('two-chains-steel').scale.time:.2e} s"
             'T = 1.22e-05 s'
         """
-        ball, velocity = self.material, self._speed()
+        return self._scale(self._speed())
+
+    def _scale(self, velocity: float) -> Scale:
+        """Sizes of the dimensionless units where V is this velocity, in the scene's units."""
+        ball = self.material
         exponent, constant = self.contact_scale
         if ball is None:
             return make_scale(1.0, constant or 1.0, velocity, si=False, exponent=exponent)
@@ -553,6 +563,31 @@ class BaseScene(ScenePart, metaclass=SceneType):
         mass = 1.0 if ball is None else sphere_mass(ball.radius, ball.density)
         for key, ingredient in self.named:
             yield key, ingredient.speed(mass)
+        yield from self._released
+
+    @cached_property
+    def _released(self) -> tuple[tuple[str, float], ...]:
+        """Key of all that stores energy at the start, and the speed that this can give a bead.
+
+        Energies are those of a system in provisional units, which do not matter.
+        """
+        storing = [(key, ingredient) for key, ingredient in self.named if ingredient.stores]
+        if not storing:
+            return ()
+        self.__dict__["_released"] = ()  # of the provisional units: those of kicks, pushes and drives
+        try:
+            setting = self._setting(self._scale(self._speed() or 1.0))
+            for ingredient in self.ingredients:
+                ingredient.refuse(setting)
+            mass, p = masses_and_strengths(setting)[0], self.contact_scale[0]
+            force = max(float(np.max(ingredient.static(setting, mass))) for ingredient in self.ingredients)
+            if force and not self._speed():  # units of the load, which is too large or small in others
+                setting = self._setting(self._scale(force ** (0.5 * (p + 1.0) / p)))
+            system = self._system(setting)
+        finally:
+            del self.__dict__["_released"]
+        velocity = setting.scale.velocity
+        return tuple((key, velocity * ingredient.released(setting, system)) for key, ingredient in storing)
 
     def part(self, key: str) -> Any:
         """Part of the scene under a key; None where it names none."""
@@ -581,13 +616,16 @@ class BaseScene(ScenePart, metaclass=SceneType):
     @cached_property
     def setting(self) -> Setting:
         """What the ingredients see of the scene: all on which its system depends."""
+        return self._setting(self.scale)
+
+    def _setting(self, scale: Scale) -> Setting:
         return Setting(
             chains=self.chains,
             beads=self.beads,
             gap=self.gaps,
             material=self.material,
             kicks=self.kicks,
-            scale=self.scale,
+            scale=scale,
             contact_scale=self.contact_scale,
             parts={key: self.part(key) for key in (*_OF_BEADS, *INGREDIENTS)},
             named=tuple(self.named),
@@ -596,7 +634,11 @@ class BaseScene(ScenePart, metaclass=SceneType):
     @cached_property
     def system(self) -> System:
         """Beads, links and kicks, dimensionless at V = 1; built once, as the scene is frozen."""
-        setting, scale = self.setting, self.scale
+        return self._system(self.setting)
+
+    def _system(self, setting: Setting) -> System:
+        """Beads, links and kicks, dimensionless in the units of a setting."""
+        scale = setting.scale
         mass, strength = masses_and_strengths(setting)
         law = setting.law_between(strength, partial(neighbours, setting))
         touching = contacts(self.gaps / scale.length, strength, law and laws.for_all(law, setting.contacts))
@@ -605,7 +647,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
         motions = summed(motion for ingredient in self.ingredients for motion in ingredient.motions(setting))
         taken = {fact for ingredient in self.ingredients for fact in ingredient.lacks(setting)}
         taken |= {Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set()
-        further_lines, ties, dashpots = together(self.chains, [atoms for _, atoms in self._further_atoms])
+        further_lines, ties, dashpots = together(self.chains, [atoms for _, atoms in self._further_atoms(setting)])
         taken |= physics.taken_by_state(touching[0].law)
         system = System(
             chains=self.chains,
@@ -619,19 +661,20 @@ class BaseScene(ScenePart, metaclass=SceneType):
             motions=motions,
             dampers=(*(link for ingredient in self.ingredients for link in ingredient.dampers(setting)), *dashpots),
         )
+        started = [ingredient.start(setting) for ingredient in self.ingredients]
+        system = with_start(system, np.concatenate(started)) if started else system
         borne = physics.mass_with_tied(system)
         static = sum((ingredient.static(setting, borne) for ingredient in self.ingredients), np.float64(0.0))
         if not np.any(static):
-            return system
+            return rounded(system)
         try:
-            return under_load(system, np.broadcast_to(static, (self.chains, self.beads + 1)))
+            return rounded(under_load(system, np.broadcast_to(static, (self.chains, self.beads + 1))))
         except LoadError as error:
             raise ValueError(f"{self._loaded_by}: {error}") from None
 
-    @property
-    def _further_atoms(self) -> list[tuple[str, FurtherAtoms]]:
+    def _further_atoms(self, setting: Setting) -> list[tuple[str, FurtherAtoms]]:
         """Lines of atoms that ingredients add to the chains, each with the key of its ingredient."""
-        each = [(key, ingredient.further_atoms(self.setting)) for key, ingredient in self.named]
+        each = [(key, ingredient.further_atoms(setting)) for key, ingredient in self.named]
         return [(key, atoms) for key, atoms in each if atoms is not None]
 
     @property

@@ -26,6 +26,9 @@ from lammps_inputs.system import System
 MOST = 1e6
 """Largest load, in units of m V / T; beyond it motion is lost in the rounding of places."""
 
+_MORE = 1.01
+"""Energy that is reckoned with, over that of the start: rest is rounded on a coarser grid."""
+
 FINEST = 1e-4
 """Largest relative change of a load by the rounding of places."""
 
@@ -53,7 +56,10 @@ def under_load(system: System, force: NDArray[np.float64]) -> System:
             "smaller load is needed"
         )
     rest = max(float(np.max(link.law.overlap_under(force[:, 1:-1]))) for link in system.along)
-    grid = _grid(system, rest)
+    grid = _grid(system, rest, physics.energy(system))
+    if system.start is not None:  # under the load displacements store other energies
+        about_rest = replace(system, links=tuple(_loaded(link, force, grid) for link in system.links))
+        grid = _grid(system, rest, _MORE * physics.energy(about_rest))
     links = tuple(_loaded(link, force, grid) for link in system.links)
     loaded = replace(system, links=links)
     loaded = replace(loaded, dampers=tuple(_damped(link, loaded) for link in system.dampers))
@@ -68,9 +74,15 @@ def under_load(system: System, force: NDArray[np.float64]) -> System:
     return loaded
 
 
-def _grid(system: System, rest: float) -> float:
-    """The difference of two numbers of LAMMPS as large as the last bead's place may be, with overlaps up to this."""
-    alone = max(laws.max_strain(link.law, physics.energy(system)) for link in (*system.along, *system.walls))
+def _grid(system: System, rest: float, energy: float) -> float:
+    """The difference of two numbers of LAMMPS as large as the last bead's place may be.
+
+    Args:
+        system: system without load.
+        rest: largest overlap at rest, in units of L.
+        energy: energy that one contact may hold beside it, in units of m V**2.
+    """
+    alone = max(laws.max_strain(link.law, energy) for link in (*system.along, *system.walls))
     diameter = power_of_two_at_least(max(layout_of(system).diameter, 4.0, 2.0 * (rest + alone)))
     return float(np.spacing(0.75 * power_of_two_at_least((system.beads + 1) * diameter)))
 

@@ -54,6 +54,32 @@ class FurtherLine:
         return (self.chain, self.noun) == (other.chain, other.noun) and np.array_equal(self.mass, other.mass)
 
 
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Where atoms are at the start, and how fast they move, beside kicks and given motions.
+
+    Attributes:
+        displacement: from the places at rest, [line, bead] in units of L.
+        velocity: [line, bead] in units of V; kicks add to it.
+    """
+
+    displacement: NDArray[np.float64]
+    velocity: NDArray[np.float64]
+
+    def on(self, rows: NDArray[np.int64] | slice) -> "Start":
+        """The start of chosen rows, [row] counted from 0."""
+        return Start(self.displacement[:, rows], self.velocity[:, rows])
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all is the same, to the last number."""
+        if not isinstance(other, Start):
+            return False
+        return all(map(np.array_equal, (self.displacement, self.velocity), (other.displacement, other.velocity)))
+
+    def __hash__(self) -> int:
+        return hash(self.displacement.shape)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class System:
     """Beads, the links between them, and their kicks, so that the fastest starts at 1.
@@ -84,6 +110,8 @@ class System:
     """Beads whose motion is given."""
     dampers: tuple[Links, ...] = ()
     """Forces against velocities: links with laws of damping."""
+    start: Start | None = None
+    """Displacements and velocities at the start; None where all atoms are at rest but for kicks and given motions."""
 
     def __eq__(self, other: object) -> bool:
         """Whether all is the same, to the last number of every array."""
@@ -133,6 +161,7 @@ class System:
             dampers=tuple(link.on(rows) for link in self.dampers),
             mass=self.mass if isinstance(self.mass, float) else self.mass[:, rows],
             further_lines=tuple(line.on(rows) for line in self.further_lines),
+            start=None if self.start is None else self.start.on(rows),
         )
 
     def is_tie(self, link: Links) -> bool:
@@ -163,8 +192,13 @@ class System:
 
     @cached_property
     def ground(self) -> tuple[Links, ...]:
-        """The links of beads with their places at rest."""
-        return tuple(link for link in self.links if link.kind == "ground")
+        """The links of beads with their places at rest, weights apart."""
+        return tuple(link for link in self.links if link.kind == "ground" and not link.law.constant)
+
+    @cached_property
+    def weights(self) -> tuple[Links, ...]:
+        """The weights of beads that fall; none where they hang or stand at rest."""
+        return tuple(link for link in self.links if link.kind == "ground" and link.law.constant)
 
     @cached_property
     def walls(self) -> tuple[Links, ...]:

@@ -62,6 +62,8 @@ ACROSS_RANKS = [
     "driven by two tones, a piston and records",
     "magnets",
     "pushed by long records",
+    "initial states, gap, kicked",
+    "initial states of all atoms, pressed, damped, walls",
     "damping cut, pressed by a wall",
     "resonators, damped in some rows, pushed, with all other dashpots",
 ]
@@ -86,6 +88,7 @@ OLD += [
     "exponents by contact",
     "random contacts, damping viscoelastic",
     "damping cut, pressed by a wall",
+    "initial states, gap, kicked",
     "resonators of two kinds, in some rows",
     "resonators, damped, driven, walls, foundation, drag",
 ]
@@ -230,13 +233,15 @@ def test_what_continues_from_a_restart_has_every_force_of_the_deck():
         problem = scene(name).problem()
         forces = [line for line in deck.render_deck(problem).splitlines() if line.startswith(("fix", "bond", "pair"))]
         continued = continuation.render_continuation(problem).splitlines()
-        assert [line for line in forces if line not in continued] == ["fix motion all nve"], name
+        of_start = [line for line in forces if line.startswith("fix start")]
+        assert [line for line in forces if line not in [*continued, *of_start]] == ["fix motion all nve"], name
 
 
 def numbers(problem):
     """All of the physics of a problem."""
     system, found = problem.system, {"mass": problem.system.mass, "gap": physics.gap(problem.system)}
     found |= {"times": (problem.duration, problem.every, problem.timestep), "kicks": [v for *_, v in system.kicks]}
+    found |= {"start": physics.initial_state(system)}
     found |= {f"load {n} ends": load.end for n, load in enumerate(system.loads)}
     for kind in ("links", "dampers", "loads"):
         for n, part in enumerate(getattr(system, kind)):

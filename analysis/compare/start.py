@@ -21,23 +21,25 @@ def differences(frames: Trajectory) -> list[str]:
     problem = frames.problem
     scale, system = problem.scale, problem.system
     displacement, velocity = (values[0] for values in frames.atoms)
-    at_start = np.zeros_like(velocity)
-    at_start[: system.chains] = physics.initial_velocity(system)[:, frames.beads - 1]
+    right = physics.initial_state(system)[:, : len(velocity), frames.beads - 1]
 
     def name(line: int, place: int) -> str:
         bead = f"bead {frames.beads[place]} of chain {system.chain_of_line[line] + 1}"
         noun, _ = system.atom_at_bead(line)
         return f"the {noun} at {bead}" if noun else bead
 
-    moved = _largest(np.abs(displacement))
+    moved = _largest(np.abs(displacement - right[0]))
     if len(moved):
         line, place = moved[0]
         off = scale.written(displacement[line, place], "length")
+        if system.start is not None:
+            wanted = scale.written(right[0, line, place], "length")
+            return [f"{name(line, place)} starts {off} from its place at rest instead of {wanted}"]
         return [f"{name(line, place)} starts {off} from its place at rest (another gap or static load?)"]
     texts = []
-    for line, place in _largest(np.abs(velocity - at_start)):
-        actual, right = (scale.written(values[line, place], "velocity") for values in (velocity, at_start))
-        texts.append(f"{name(line, place)} starts with velocity {actual} instead of {right}")
+    for line, place in _largest(np.abs(velocity - right[1])):
+        actual, wanted = (scale.written(values[line, place], "velocity") for values in (velocity, right[1]))
+        texts.append(f"{name(line, place)} starts with velocity {actual} instead of {wanted}")
     return texts
 
 

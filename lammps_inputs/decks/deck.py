@@ -71,7 +71,6 @@ def render_deck(problem: Problem, start: Sequence[str] = (), opening: float = 0.
         start: commands that set positions and velocities at the start, in place of the kicks.
         opening: how much farther apart than at rest neighbours start, at most, in units of L.
     """
-    system = problem.system
     sections = [
         _title(problem),
         [
@@ -85,9 +84,12 @@ def render_deck(problem: Problem, start: Sequence[str] = (), opening: float = 0.
             *START,
             f"atom_style {_atom_style(problem)}",
             "boundary s f f                   # x: the box follows rebounding beads; y, z: no periodic images",
-            *neighbour_lines(problem, opening),
+            *neighbour_lines(problem, opening or _opening(problem)),
             *number_fix(problem),
-            f"read_data {file_names.DATA}" + " fix numbers NULL Numbers" * bool(number_fix(problem)),
+            *_start_fix(problem),
+            f"read_data {file_names.DATA}"
+            + " fix numbers NULL Numbers" * bool(number_fix(problem))
+            + " fix start NULL Start" * bool(_start_fix(problem)),
             *group_lines(problem),
             *_mass_lines(problem),
         ],
@@ -96,16 +98,8 @@ def render_deck(problem: Problem, start: Sequence[str] = (), opening: float = 0.
     ]
     if start:
         sections.append(list(start))
-    elif system.kicks or system.motions:
-        sections.append(
-            [
-                *loads.start_lines(system.motions, problem.layout),
-                *(
-                    f"set atom {problem.layout.atom(chain, bead)} vx ${{kick{number}}}"
-                    for number, (chain, bead, _) in enumerate(system.kicks, 1)
-                ),
-            ]
-        )
+    elif lines := start_lines(problem):
+        sections.append(lines)
     if problem.rows.follow:
         sections.append(window.setup_lines(problem))
     run = window.travel_lines(problem) if problem.rows.follow else scheme.run_lines(problem.scheme, "${steps}")
@@ -377,6 +371,38 @@ def kick_lines(problem: Problem) -> list[str]:
     ]
 
 
+def start_lines(problem: Problem) -> list[str]:
+    """LAMMPS commands that displace beads and set them in motion; none where all start at rest."""
+    system, layout = problem.system, problem.layout
+    lines = []
+    if system.start is not None:
+        lines = [
+            "# places and velocities at the start, from the data file",
+            "variable place atom x+d_displacement",
+            "variable velocity atom d_velocity",
+            "set group all x v_place vx v_velocity",
+            "unfix start",
+        ]
+    lines += loads.start_lines(system.motions, layout)
+    for number, (chain, bead, _) in enumerate(system.kicks, 1):
+        before = 0.0 if system.start is None else float(system.start.velocity[chain - 1, bead - 1])
+        kick = f"$({text(before)}+v_kick{number}:%.17g)" if before else f"${{kick{number}}}"
+        lines.append(f"set atom {layout.atom(chain, bead)} vx {kick}")
+    return lines
+
+
+def _start_fix(problem: Problem) -> list[str]:
+    """Fix that holds displacements and velocities at the start, which the data file has; none where atoms rest."""
+    return [] if problem.system.start is None else ["fix start all property/atom d_displacement d_velocity"]
+
+
+def _opening(problem: Problem) -> float:
+    """How much farther apart than at rest neighbours start, at most, in units of L."""
+    if problem.system.start is None:
+        return 0.0
+    return float(np.max(np.diff(problem.system.start.displacement[: problem.chains], axis=-1), initial=0.0))
+
+
 def _bonds(problem: Problem) -> list[tuple[int, int, NDArray[np.int64]]]:
     """Both chains of every edge, from 0, and the types of its bonds in the rows that exist; 0 where there is none."""
     bonds, before = [], 0
@@ -437,6 +463,7 @@ def render_data(problem: Problem) -> str:
             out.writelines(f"{number} {t} {lower + i} {higher + i}\n" for number, (i, t) in numbered)
             bond += len(tied)
     out.writelines(_number_lines(problem))
+    out.writelines(_lines_of_start(problem))
     return out.getvalue()
 
 
@@ -476,6 +503,17 @@ def _atom_lines(problem: Problem, line: int, masses: list[float], types: list[in
         f"{atom} {kind} {x} {y} 0 {measure} {molecule}\n"
         for atom, kind, x, measure, molecule in zip(*columns, strict=False)
     )
+
+
+def _lines_of_start(problem: Problem) -> Iterator[str]:
+    """Section of displacement and velocity of every atom at the start; none where all are at rest."""
+    system = problem.system
+    if system.start is None:
+        return
+    yield "\nStart\n\n"
+    x, v = system.start.displacement.reshape(-1), system.start.velocity.reshape(-1)
+    for atom in physics.atom_ids(system).tolist():
+        yield f"{atom} {text(x[atom - 1])} {text(v[atom - 1])}\n"
 
 
 def _number_lines(problem: Problem) -> Iterator[str]:

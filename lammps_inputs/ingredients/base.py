@@ -354,6 +354,23 @@ class Ingredient(ScenePart):
         """Speed of a bead of this mass that it sets in motion, in the scene's units: a measure of V."""
         return 0.0
 
+    def start(self, setting: Setting) -> NDArray[np.float64]:  # noqa: ARG002
+        """Atoms that it displaces or sets in motion at the start, [atom, column], dimensionless.
+
+        Columns are the line and the bead, counted from 1, displacement and velocity; lines are the chains, then
+        further ones. Entries of one atom add.
+        """
+        return np.zeros((0, 4))
+
+    @property
+    def stores(self) -> bool:
+        """Whether it may store energy at the start, which becomes motion."""
+        return False
+
+    def released(self, setting: Setting, system: System) -> float:  # noqa: ARG002
+        """Speed, dimensionless, that what it stores at the start can give a bead: a measure of V (`stores`)."""
+        return 0.0
+
     def static(self, setting: Setting, mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:  # noqa: ARG002
         """Force at rest, dimensionless: a number, or [chain, bead + 1] from before the first bead to behind the last.
 

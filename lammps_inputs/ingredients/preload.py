@@ -16,7 +16,10 @@ from pydantic_core import CoreSchema
 from lammps_inputs import physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Positive, Setting
+from lammps_inputs.ingredients.unequal import masses_and_strengths
+from lammps_inputs.laws.weight import Weight
 from lammps_inputs.layout import layout_of
+from lammps_inputs.links import Links
 from lammps_inputs.system import System
 from lammps_inputs.units import Label, Unit
 
@@ -72,6 +75,9 @@ class Gravity(_Load):
     acceleration: Annotated[Positive, Unit("m/s2"), Label("acceleration of gravity", "g")]
     """Acceleration towards higher bead numbers."""
 
+    settled: bool = True
+    """Whether the column is at rest under its weight at the start; false: the beads fall from places without load."""
+
     @model_validator(mode="before")
     @classmethod
     def _from_number(cls, value: Any) -> Any:
@@ -80,21 +86,59 @@ class Gravity(_Load):
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         schema = handler.resolve_ref_schema(handler(core_schema))
-        return {"description": schema["description"], **schema["properties"]["acceleration"]}
+        number = {key: value for key, value in schema["properties"]["acceleration"].items() if key != "description"}
+        keys = {key: schema[key] for key in ("type", "properties", "required", "additionalProperties")}
+        return {"description": schema["description"], "anyOf": [number, keys]}
 
     @model_serializer
-    def _as_number(self) -> float:
-        return self.acceleration
+    def _as_number(self) -> float | dict[str, Any]:
+        return self.acceleration if self.settled else {"acceleration": self.acceleration, "settled": False}
 
     def refuse(self, setting: Setting) -> None:
-        """Refuse also a column that nothing holds."""
+        """Refuse also a column that nothing holds, and of beads that fall what would be loaded or stretched at rest."""
+        if not self.settled:
+            for key in ("precompression", "foundation", "resonators"):
+                if setting.part(key) is not None:
+                    raise ValueError(f"gravity.settled: beads that fall have no rest with {key}; leave one out")
+            return
         super().refuse(setting)
         walls = setting.part("walls")
         if walls is None or walls.right is None:
             raise ValueError("gravity: nothing holds the column; give `walls: {right: flat}` or another wall there")
 
+    def refuse_system(self, setting: Setting, system: System) -> None:
+        """Refuse also contacts of beads that fall whose force is no power of the overlap."""
+        if self.settled:
+            super().refuse_system(setting, system)
+        elif any(link.law.overlap_under is None for link in system.along):
+            raise ValueError("gravity.settled: falls are known for contacts whose force is a power of the overlap")
+
+    def lacks(self, setting: Setting) -> frozenset[Fact]:
+        """Facts that do not hold where there is sound; where beads fall, also those of a pulse and of momentum."""
+        if self.settled:
+            return super().lacks(setting)
+        return frozenset({Fact.MOMENTUM, Fact.PULSE, Fact.REST, Fact.FRONT, Fact.SONIC_VACUUM})
+
+    def links(self, setting: Setting) -> tuple[Links, ...]:
+        """Weights of beads that fall; those of a settled column are a static load."""
+        if self.settled:
+            return ()
+        law = Weight(self.acceleration / setting.scale.velocity * setting.scale.time, masses_and_strengths(setting)[0])
+        return (Links.ground("gravity", law),)
+
+    @property
+    def stores(self) -> bool:
+        """Whether beads fall."""
+        return not self.settled
+
+    def released(self, setting: Setting, system: System) -> float:  # noqa: ARG002
+        """Speed of a fall through the gap and the overlap under the weight of a bead of mass 1."""
+        return max(physics.fall_speeds(system), default=0.0)
+
     def static(self, setting: Setting, mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
         """Weight of the beads before each contact, dimensionless, [chain, bead + 1]; masses are [chain, bead]."""
+        if not self.settled:
+            return 0.0
         weight = self.acceleration * setting.scale.time**2 / setting.scale.length * np.asarray(mass)
         force = np.zeros((setting.chains, setting.beads + 1))
         force[:, 1:] = np.cumsum(np.broadcast_to(weight, (setting.chains, setting.beads)), axis=1)

@@ -106,6 +106,7 @@ class Law(Parameters):
         exponent: exponent of the overlap in the force of a contact: a number, or [chain, contact]; None where it is no
             power.
         linear: whether the force is proportional to the strain, on both sides of rest.
+        constant: whether the force depends on nothing but the link, as a weight.
         omega: angular frequency with which the law changes in time, in units of 1 / T.
         varies: whether the law depends on time.
         steady: the law without what depends on time.
@@ -120,7 +121,7 @@ class Law(Parameters):
     """
 
     rest, load, omega = _ZERO, _ZERO, _ZERO
-    linear, varies = False, False
+    linear, varies, constant = False, False, False
     exponent, along, across, ground, at_wall, wall, damping, impulse = (_NONE,) * 8
     overlap_under, pressed_to = _NONE, _NONE
     bends: ClassVar[Any] = ()

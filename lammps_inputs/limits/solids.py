@@ -148,15 +148,18 @@ def overlap_bounds(system: System) -> tuple[float, float]:
     they come to rest is no less than the root of ``2 U(overlap) + s (overlap + gap) = w**2 / 2``.
 
     Under a static load: the overlap at rest, and that with what energy can add to it. Beads that differ, or that other
-    springs hold too, get the bound from above by the whole energy, none from below.
+    springs hold too, get the bound from above by the whole energy, and the overlap at the start from below.
     """
     law = system.along[0].law
+    at_start = 0.0
+    if system.start is not None:
+        at_start = float(np.max(system.along[0].overlap(system.start.displacement[: system.chains]), initial=0.0))
     if physics.loaded(system):
         rest = law.rest
-        return float(np.max(rest)), float(np.max(rest + law.max_strain(physics.energy(system), *law)))
+        return max(at_start, float(np.max(rest))), float(np.max(rest + law.max_strain(physics.energy(system), *law)))
     as_reference = bool(np.all(np.equal(laws.strength(law), 1.0)))
     if not (as_reference and physics.simply_coupled(system) and system.holds(Fact.MOMENTUM)):
-        return 0.0, laws.max_strain(law, physics.energy(system))
+        return at_start, laws.max_strain(law, physics.energy(system))
     chains, beads, kappa, coupled = system.chains, system.beads, physics.kappa(system), physics.coupled(system)
     velocities = {(chain, bead): velocity for chain, bead, velocity in system.kicks}
     groups: dict[int, list[float]] = {}

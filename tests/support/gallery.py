@@ -53,6 +53,8 @@ PICTURES = {
     "gallery/magnets": ("magnets", "spacetime"),
     "gallery/plastic-contacts": ("plastic-contacts", "budget"),
     "gallery/disordered-chain": ("disordered-chain", "spacetime"),
+    "gallery/newtons-cradle": ("newtons-cradle", "spacetime"),
+    "gallery/falling-column": ("falling-column", "spacetime"),
     "gallery/two-chains-gapped": ("two-chains-gapped", "distance"),
 }
 """File in ``.github`` -> installed scene, and which of its figures."""

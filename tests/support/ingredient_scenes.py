@@ -74,15 +74,21 @@ RECORDED: list[dict[str, Any]] = [
     {"chain": 2, "bead": 4, "velocity": -0.1, "from": 5.3},
 ]
 """Motions of three beads, of which two have several."""
+STARTS = [
+    {"bead": 1, "displacement": 0.5},
+    {"chain": 2, "bead": 8, "displacement": -0.3, "velocity": -0.2},
+    {"bead": 3, "velocity": 0.3},
+]
+TABLE = [[1, 2, -0.4, 0.1], [2, 8, 0.2, 0.0], [3, 5, 0.3, -0.2], [4, 1, -0.3, 0.0]]
 
 CASES: dict[str, dict[str, Any]] = {
     "one chain": {"chains": 1, "coupling": None},
     "gap": {"gap": 0.3},
     "gaps that differ, walls": {"gap": [0.1, 0.0, 0.4, 0.2, 0.0, 0.5, 0.1], **WALLS},
-    "random gaps, damping linear": {
+    "random gaps, foundation cubic": {
         "gap": {"mean": 0.3, "spread": 0.8, "seed": 2},
         "coupling": None,
-        "damping": {"contact": 0.2},
+        "foundation": {"stiffness": 0.3, "cubic": 0.2},
     },
     "coupling from a row on": {"coupling": {"stiffness": 0.5, "rows": [3, 8]}},
     "ramp": {"chains": 3, "coupling": {"stiffness": {"from": 0.0, "to": 0.9, "rows": [2, 7]}}},
@@ -180,6 +186,16 @@ CASES: dict[str, dict[str, Any]] = {
     "driven by two tones, a piston and records": {"drive": RECORDED, "kick": None},
     "driven by records, damped": {"drive": RECORDED[:2] + RECORDED[3:], "kick": None, "damping": LOSSES["all"]},
     "driven, pressed": {"drive": MOVED, "kick": None, **PRESSED},
+    "initial states, gap, kicked": {"initial": STARTS, "gap": 0.1, "kick": {"bead": 3, "velocity": 0.4}},
+    "initial states, damped": {"initial": STARTS[:2], "damping": LOSSES["viscoelastic"], "kick": None},
+    "initial states of all atoms, pressed, damped, walls": {
+        **HELD,
+        "initial": {"table": TABLE},
+        "resonators": {"mass": 0.3, "stiffness": 0.8},
+        "foundation": {"stiffness": 0.3},
+        "damping": {"beads": 0.1},
+        "kick": None,
+    },
     "pushed before unlike walls": {
         **SIZES,
         "pattern": [["big"], ["small", "small"]],
@@ -254,6 +270,7 @@ def in_units(name: str, velocity: float, material: dict[str, float] | None = Non
         "drive": drives if isinstance(keys.get("drive"), list) else drives[0],
         "push": {"peak": unit.force, "duration": unit.time, "table": (unit.time, unit.force)},
         "resonators": {"mass": mass, "stiffness": unit.stiffness, "damping": dashpot},
+        "initial": {"displacement": unit.length, "velocity": velocity, "table": (1, 1, unit.length, velocity)},
         "kick": {"velocity": velocity},
         "striker": {"velocity": velocity, "mass": mass},
         "duration": unit.time,

@@ -13,10 +13,9 @@ from pydantic import BaseModel
 
 from lammps_inputs import materials, references, schema
 from lammps_inputs.deck_atoms import DeckAtoms
-from lammps_inputs.ingredients import coupling, foundation, plastic, profile, unequal
+from lammps_inputs.ingredients import coupling, foundation, initial, plastic, profile, unequal
 from lammps_inputs.ingredients.contact import Contact
 from lammps_inputs.ingredients.contacts.power import PowerContact
-from lammps_inputs.ingredients.preload import Gravity
 from lammps_inputs.ingredients.registry import INGREDIENTS
 from lammps_inputs.output import Forces, Limits, Output, Spectra
 from lammps_inputs.scene import Kick, Material, Scene
@@ -33,11 +32,11 @@ _TYPES: list[type[BaseModel]] = [
     profile.Profile,
     profile.Gaps,
 ]
-_TYPES += [DeckAtoms]
+_TYPES += [DeckAtoms, initial.LastFrame]
 _TYPES += [foundation.GroundRamp, foundation.Modulation, plastic.Yield]
 _TYPES += [unequal.BeadKind, unequal.Replacement, unequal.Disorder, unequal.Striker]
 _TYPES += [kind for ingredient in INGREDIENTS.values() for kind in ingredient.kinds()]
-PARTS = {model.__name__: model for model in _TYPES if model is not Gravity}  # which is a number
+PARTS = {model.__name__: model for model in _TYPES}
 """Types whose keys have a table, by name."""
 
 PAGES = ("SCENES.md", "MODEL.md")
@@ -89,6 +88,8 @@ def table(name: str) -> str:
         chosen = [key for key in chosen if key not in shared or str(model.model_fields[key]) != str(shared[key])]
     described, meaning = schema.of(model, name), meanings(model)
     defs = described.get("$defs", {})
+    # of a part that may be a number, too, its keys
+    described = next((option for option in described.get("anyOf", ()) if "properties" in option), described)
     rows = ["| key | unit | valid | default | meaning |", "|---|---|---|---|---|"]
     for key in chosen:
         field, spelled = model.model_fields[key], described["properties"][key]
@@ -149,6 +150,8 @@ def _valid(spelled: dict[str, Any], defs: dict[str, Any]) -> str:
             if "items" in spelled
             else "list"
         )
+    if kind == "boolean":
+        return "`true`, `false`"
     return _bounds(spelled) if kind in ("number", "integer") else "text"
 
 

@@ -17,6 +17,11 @@ def opposite(law: Any) -> Any:
     return replace(law, **{name: -getattr(law, name) for name in FORCES & set(law.names)})
 
 
+def falling_back(law: Any) -> Any:
+    """Weights in the opposite direction; any other law as it is."""
+    return replace(law, acceleration=-law.acceleration) if law.constant else law
+
+
 def mirrored_problem(problem: Problem) -> Problem:
     """The problem in which every bead has the number of its mirror image, and moves the other way."""
     system = problem.system
@@ -26,7 +31,7 @@ def mirrored_problem(problem: Problem) -> Problem:
             return next((other for this, other in ((FIRST, LAST), (LAST, FIRST)) if beads == this), beads)
 
         swapped = ({"first": end(x.second), "second": end(x.first)} if x.kind == "wall" else {} for x in links)
-        values = ({"law": laws.at(x.law, Ellipsis, BACK), "gap": x.gap_at(Ellipsis, BACK)} for x in links)
+        values = ({"law": falling_back(laws.at(x.law, Ellipsis, BACK)), "gap": x.gap_at(Ellipsis, BACK)} for x in links)
         return tuple(replace(x, **of_links, **ends) for x, of_links, ends in zip(links, values, swapped, strict=True))
 
     def at_other_bead(parts: Any, **changed: Any) -> Any:
@@ -35,8 +40,10 @@ def mirrored_problem(problem: Problem) -> Problem:
             replace(part, bead=system.beads + 1 - part.bead, **new) for part, new in zip(parts, there, strict=True)
         )
 
+    start = system.start
     image = replace(
         system,
+        start=start and replace(start, displacement=-start.displacement[:, BACK], velocity=-start.velocity[:, BACK]),
         kicks=tuple((chain, system.beads + 1 - bead, -velocity) for chain, bead, velocity in system.kicks),
         links=turned(system.links),
         dampers=turned(system.dampers),

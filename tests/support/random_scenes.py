@@ -18,7 +18,7 @@ def draw(chance: random.Random, number: int | str) -> Scene:
     if which < 0.4:
         return _draw_more(chance, number) if which < 0.25 else _draw_lossy(chance, number)
     if 0.5 < which < 0.9:
-        return draw_of_springs(chance, number)
+        return draw_of_springs(chance, number) if which < 0.8 else draw_at_start(chance, number)
     windowed = chance.random() < 0.1
     chains = chance.choice([1, 2, 2, 3])
     beads = chance.randint(90, 130) if windowed else chance.randint(2, 12)
@@ -86,9 +86,9 @@ def _draw_more(chance: random.Random, number: int | str) -> Scene:
     output: dict[str, Any] = {"every": 0.5}
     if chance.random() < 0.3:
         output |= {"beads": sorted(chance.sample(range(1, beads + 1), 2))}
-    gaps = [chance.choice([0.0, chance.uniform(0.1, 2.0)]) for _ in range(beads - 1)]
-    gap = chance.choice([0.0, 0.0, chance.uniform(0.1, 3.0), gaps])
-    more |= {"gap": gap, "duration": chance.uniform(15.0, 60.0)}
+    more |= {"gap": chance.choice([0.0, 0.0, chance.uniform(0.1, 3.0)]), "duration": chance.uniform(15.0, 60.0)}
+    along = _Along(number)  # leaves all else as it was drawn
+    more |= {"gap": along.gaps(beads)} if more["gap"] and along.random() < 0.4 else {}
     more |= {"scheme": chance.choice([None, None, "suzuki4"]), "output": output, "kick": kicks}
     return Scene.model_validate({"name": f"scene-{number}", "chains": chains, "beads": beads, **more})
 
@@ -100,9 +100,6 @@ def _draw_lossy(chance: random.Random, number: int | str) -> Scene:
     exponent = chance.choice([1.5, 1.5, 1.0, 1.25, 2.0, 3.0])
     if exponent != 1.5:
         more["contact"] = {"exponent": exponent}
-    elif chance.random() < 0.2:
-        profile = {"spread": chance.uniform(0.01, 0.3), "seed": chance.randint(0, 9)}
-        more["contact"] = chance.choice([{"exponent": profile}, {"strength": profile}])
     if chains > 1:
         more["coupling"] = {"stiffness": 10.0 ** chance.uniform(-3.0, 0.3)}
     if chance.random() < 0.3:
@@ -143,7 +140,33 @@ def _draw_lossy(chance: random.Random, number: int | str) -> Scene:
         more["drive"] = of_bead
     if "drive" not in more or chance.random() < 0.5:
         more["kick"] = {"chain": other[0], "bead": other[1], "velocity": chance.choice([1.0, -1.0, 0.3])}
+    along = _Along(number)  # leaves all else as it was drawn
+    if "contact" not in more and along.random() < 0.5:
+        one = (
+            more.keys() & {"walls", "gravity", "precompression"}
+            or more.get("damping", {}).get("law", "linear") != "linear"
+        )
+        more["contact"] = {"strength" if one else "exponent": along.profile()}
+    if along.random() < 0.3:
+        more["initial"] = _initial(along, chains, beads)
     return Scene.model_validate({"name": f"scene-{number}", "chains": chains, "beads": beads, **more})
+
+
+class _Along(random.Random):
+    """Random values along the chains, with numbers of their own for each scene."""
+
+    def __init__(self, number: int | str) -> None:
+        super().__init__(f"along {number}")
+
+    def gaps(self, beads: int) -> Any:
+        """Gaps that differ: a list, or by numbers of contacts."""
+        listed = [self.choice([0.0, self.uniform(0.1, 2.0)]) for _ in range(beads - 1)]
+        named = {"contacts": {str(self.randint(1, beads - 1)): 0.5}}
+        return self.choice([listed, named, {"mean": self.uniform(0.1, 2.0), "spread": 0.5}])
+
+    def profile(self) -> dict[str, Any]:
+        """Random factors on strengths or exponents."""
+        return {"spread": self.uniform(0.01, 0.3), "seed": self.randint(0, 9)}
 
 
 def _prescribed(chance: random.Random) -> dict[str, Any]:
@@ -159,6 +182,48 @@ def _prescribed(chance: random.Random) -> dict[str, Any]:
     first = 0.0 if kind == "displacement" else chance.uniform(-0.3, 0.3)
     table = [[time, chance.uniform(-0.3, 0.3) if k else first] for k, time in enumerate(times)]
     return {"quantity": kind, "table": table}
+
+
+def draw_at_start(chance: random.Random, number: int | str) -> Scene:
+    """A scene whose beads are displaced at the start, fall, or both."""
+    chains, beads = chance.choice([1, 1, 2]), chance.randint(2, 10)
+    more: dict[str, Any] = {"duration": chance.uniform(10.0, 30.0), "output": {"every": 0.5}}
+    more["gap"] = chance.choice([0.0, 0.0, chance.uniform(0.05, 2.0)])
+    if chains > 1:
+        more["coupling"] = {"stiffness": 10.0 ** chance.uniform(-2.0, 0.0)}
+    if chance.random() < 0.6:
+        more["walls"] = {"left": chance.choice(["bead", None]), "right": chance.choice(["flat", "rigid"])}
+    if chance.random() < 0.3:
+        more["kinds"] = {name: {"mass": chance.uniform(0.3, 3.0), "radius": 1.0} for name in "ab"}
+        more["pattern"] = ["a", "b"]
+    falls = chance.random() < 0.5
+    if falls:
+        more["gravity"] = {"acceleration": 10.0 ** chance.uniform(-3.0, -0.5), "settled": False}
+    elif chance.random() < 0.5:
+        more["foundation"] = {"stiffness": 10.0 ** chance.uniform(-2.0, 0.0)}
+    if not falls or chance.random() < 0.4:
+        more["initial"] = _initial(chance, chains, beads)
+    if chance.random() < 0.3:
+        place = {"chain": chance.randint(1, chains), "bead": chance.randint(1, beads)}
+        more["kick"] = {**place, "velocity": chance.choice([1.0, -1.0, 0.3])}
+    if chance.random() < 0.3:
+        more["damping"] = {"contact": 10.0 ** chance.uniform(-3.0, -0.5), "law": "viscoelastic"}
+    if chance.random() < 0.3:
+        more.setdefault("damping", {})["beads"] = 10.0 ** chance.uniform(-3.0, -0.5)
+    return Scene.model_validate({"name": f"scene-{number}", "chains": chains, "beads": beads, **more})
+
+
+def _initial(chance: random.Random, chains: int, beads: int) -> Any:
+    """Displacements and velocities of a few beads, in a list or a table."""
+    places = [(chain, bead) for chain in range(1, chains + 1) for bead in range(1, beads + 1)]
+    rows = [
+        [*place, chance.choice([0.0, chance.uniform(-0.5, 0.5)]), chance.choice([0.0, chance.uniform(-1.0, 1.0)])]
+        for place in chance.sample(places, chance.randint(1, min(4, len(places))))
+    ]
+    if chance.random() < 0.5:
+        return {"table": rows}
+    keys = ("chain", "bead", "displacement", "velocity")
+    return [dict(zip(keys, row, strict=True)) for row in rows if row[2] or row[3]] or None
 
 
 FORMULAS_OF_SPRINGS = ("k*s/sqrt(1+(s/d)^2)", "k*s+c*s^3", "k*s*exp(-(s/d)^2)", "k*d*tanh(s/d)", "k*d*sinh(s/d)", "k*s")

@@ -14,8 +14,49 @@ from lammps_inputs import Scene
 FACES = {"bead": 1.0, "flat": 2.0**0.5, "rigid": 2.0**1.5}
 
 
+_GIVEN: list[Units] = []
+"""Units in place of the scene's, while these are looked for."""
+
+
 def units(scene: Scene) -> Units:
-    """V is the fastest of kicks, of free beads that were given a push's impulse, and of drives."""
+    """V is the fastest of kicks, of free beads that were given a push's impulse, of drives and of initial states.
+
+    Of initial displacements, that of a bead with the energy of the link that stores most.
+    """
+    if _GIVEN:
+        return _GIVEN[-1]
+    speeds = _speeds(scene)
+    if falls(scene):  # through the gap and the overlap of one bead under its weight
+        unit, g, p = _units(scene, 1.0), scene.gravity.acceleration, exponent(scene)
+        overlap = (unit.mass * g / unit.force) ** (1.0 / p) * unit.length
+        speeds.append(math.sqrt(2.0 * g * (scene.gap + overlap)))
+    speeds.append(_released(scene, max(speeds, default=0.0) or 1.0))
+    return _units(scene, max(speeds))
+
+
+def falls(scene: Scene) -> bool:
+    return scene.gravity is not None and not scene.gravity.settled
+
+
+def _released(scene: Scene, velocity: float) -> float:
+    if not any(row[2] for row in initial_rows(scene)):
+        return 0.0
+    _GIVEN.append(_units(scene, velocity))
+    try:
+        return velocity * math.sqrt(2.0 * nature(scene).most_stored)
+    finally:
+        _GIVEN.pop()
+
+
+def initial_rows(scene: Scene) -> list[tuple[int, int, float, float]]:
+    """Line and bead, from 1, displacement and velocity."""
+    found = []
+    for part in scene.initial or ():
+        found += part.table or [(part.chain, part.bead, part.displacement or 0.0, part.velocity or 0.0)]
+    return found
+
+
+def _units(scene: Scene, velocity: float) -> Units:
     ball, p = scene.material, exponent(scene)
     mass, constant = 1.0, 1.0
     if ball is not None:
@@ -24,12 +65,17 @@ def units(scene: Scene) -> Units:
     constant = _of_contact(scene, "stiffness") or constant
     if (law := formula(scene, "contact")) is not None:
         constant, p = law.first
-    speeds = [abs(velocity) for *_, velocity in kicks(scene)]
+    return Units(mass, (mass * velocity**2 / constant) ** (1.0 / (p + 1.0)), velocity)
+
+
+def _speeds(scene: Scene) -> list[float]:
+    ball = scene.material
+    mass = 1.0 if ball is None else 4.0 / 3.0 * math.pi * ball.radius**3 * ball.density
+    speeds = [abs(velocity) for *_, velocity in [*kicks(scene), *initial_rows(scene)]]
     speeds += [_impulse(push) / mass for push in scene.push or ()]
     for drive in scene.drive or ():
         speeds.append(drive.force / (mass * 2.0 * math.pi * drive.frequency) if drive.force else _fastest(drive))
-    velocity = max(speeds)
-    return Units(mass, (mass * velocity**2 / constant) ** (1.0 / (p + 1.0)), velocity)
+    return speeds
 
 
 def exponent(scene: Scene) -> float:
@@ -214,7 +260,7 @@ def loads(scene: Scene, mass: Floats) -> Floats:
     unit, found = units(scene), np.zeros((scene.chains, scene.beads + 1))
     if scene.precompression is not None:
         found += scene.precompression.force / unit.force
-    if scene.gravity is not None:
+    if scene.gravity is not None and scene.gravity.settled:
         found[:, 1:] += np.cumsum(mass, axis=1) * scene.gravity.acceleration * unit.time**2 / unit.length
     return found
 
@@ -380,6 +426,8 @@ def nature(scene: Scene) -> Nature:
     for wall in walls:
         hold[:, wall.bead] += wall.side * load[:, wall.bead + (wall.side > 0.0)]
     moved = _moved(scene, unit)
+    if falls(scene):
+        hold = hold + mass * scene.gravity.acceleration * unit.time**2 / unit.length
     start = np.zeros((scene.chains, scene.beads))
     for chain, bead, velocity in kicks(scene):
         start[chain - 1, bead - 1] = velocity / unit.velocity
@@ -414,7 +462,11 @@ def nature(scene: Scene) -> Nature:
         bends=bends,
         formulas={key: law.scaled(unit) for key, law in laws.items() if law is not None},
     )
-    return own if scene.resonators is None else _with_resonators(scene, own)
+    own = own if scene.resonators is None else _with_resonators(scene, own)
+    state = np.zeros((2, *own.mass.shape))
+    for line, bead, x, v in initial_rows(scene):
+        state[:, line - 1, bead - 1] = x / unit.length, v / unit.velocity
+    return replace(own, displaced=state[0], start=own.start + state[1])
 
 
 def _resonators(scene: Scene) -> list[tuple[Floats, Floats, Floats]]:

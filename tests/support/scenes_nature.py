@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import quad
 
 Floats = NDArray[np.float64]
 
@@ -96,6 +97,7 @@ class Nature:
             all arrays, empty but for their masses.
         pushes, moved: what acts from outside.
         start: velocities at the start.
+        displaced: displacements at the start, of the shape of ``mass``.
         formulas: force of contacts, springs and ground at a strain, by key, where the scene gives it as a formula.
     """
 
@@ -116,6 +118,7 @@ class Nature:
     pushes: list[Push]
     moved: list[Moved]
     start: Floats
+    displaced: Any = 0.0
     stiffness: Any = None
     bends: tuple[float, ...] = ()
     inner: tuple[tuple[int, int, Any, Any], ...] = ()
@@ -152,6 +155,25 @@ class Nature:
             loss = np.where(closed > 0.0, wall.loss * closed ** self.loss[1], 0.0)
             push = push + loss * wall.side * v[..., wall.bead]
         return np.asarray(np.maximum(push, 0.0) if self.cut else push)
+
+    @property
+    def most_stored(self) -> float:
+        """Largest energy of any link at the start."""
+        x, p = self.displaced, self.exponent
+        stored = [_stored(self.overlap(x), self.rest, self.strength, p, self.formulas.get("contact"))]
+        for wall in self.walls:
+            overlap = wall.rest + wall.side * x[..., wall.bead] - self.gap
+            stored.append(_stored(overlap, wall.rest, wall.strength, p, self.formulas.get("contact")))
+        for one, other, stiffness, cubic in self.springs:
+            apart = x[other] - x[one]
+            shape = self.formulas.get("coupling")
+            spring = 0.5 * stiffness * apart**2 + 0.25 * cubic * apart**4
+            stored.append(spring if shape is None else stiffness * _integrals(shape, apart))
+        stored += [0.5 * stiffness * (x[other] - x[one]) ** 2 for one, other, stiffness, _ in self.inner]
+        stored.append(0.5 * self.ground[0] * x**2 + 0.25 * self.ground[1] * x**4)
+        if "foundation" in self.formulas:
+            stored.append(_integrals(self.formulas["foundation"], x))
+        return max(float(np.max(energy)) for energy in stored)
 
     def acceleration(self, time: float, x: Floats, v: Floats) -> Floats:
         force = self.hold - self.drag * v
@@ -192,6 +214,18 @@ class Nature:
             x[..., moved.chain, moved.bead] = moved.displacement(time)
             v[..., moved.chain, moved.bead] = moved.velocity(time)
         return x, v
+
+
+def _stored(overlap: Floats, rest: Any, strength: Any, p: Any, shape: Any) -> Any:
+    """Energy at an overlap above that at rest, where the force at rest is held."""
+    if shape is not None:
+        return _integrals(shape, overlap)
+    whole = (np.maximum(overlap, 0.0) ** (p + 1.0) - rest ** (p + 1.0)) / (p + 1.0)
+    return strength * (whole - rest**p * (overlap - rest))
+
+
+def _integrals(force: Any, strain: Floats) -> Floats:
+    return np.vectorize(lambda end: quad(force, 0.0, end, epsabs=1e-14, epsrel=1e-13)[0])(strain)
 
 
 def _power(closed: Floats, exponent: float | Floats) -> Floats:

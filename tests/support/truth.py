@@ -33,8 +33,8 @@ def _solved(own: Nature, end: float, rtol: float) -> OdeSolution:
         x, v = own.placed(time, *state.reshape(2, *own.mass.shape))
         return np.concatenate([v, own.acceleration(time, x, v)], axis=None)
 
-    state = np.concatenate([np.zeros_like(own.start), own.start], axis=None)
     kinks = [*own.bends, *(kink for each in (*own.pushes, *own.moved) for kink in each.kinks)]
+    state = np.concatenate([own.displaced, own.start], axis=None)
     edges = sorted({0.0, end, *(kink for kink in kinks if 0.0 < kink < end)})
     pieces = []
     for since, until in pairwise(edges):

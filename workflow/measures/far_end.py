@@ -51,7 +51,7 @@ contacts yield, whose states of an instant before are unknown, a forward differe
 """
 
 UNPASSED = "nothing has arrived, or the record ends inside the pulse"
-ACTED_ON = "a push or drive acts on the last tenth of the beads, or the foundation varies in time"
+ACTED_ON = "a push or drive acts on the last tenth of the beads, they fall, or the foundation varies in time"
 
 
 VALUES = ("wall_force", "wall_force_chain", "delay", "transmitted_energy")
@@ -172,7 +172,9 @@ class FarEndMeter(Meter[_FarFrames, Transmitted]):
         """Whether forces from outside act on the last tenth of the beads."""
         system = self.problem.system
         beads = [load.bead for load in system.loads] + [prescribed.bead for prescribed in system.motions]
-        return physics.varying(system) or any(self._rows.start < bead <= self._rows.stop for bead in beads)
+        if system.weights or physics.varying(system):
+            return True
+        return any(self._rows.start < bead <= self._rows.stop for bead in beads)
 
     def of_part(self, part: Part) -> _FarFrames:
         """Energy and force at the frames of a part."""

@@ -157,7 +157,7 @@ def work(problem: Problem, verlet_steps: int, reference_steps: int) -> float:
 
 def _rows_by_time(problem: Problem) -> float:
     """Integral over time of the number of rows that have moved, roughly: no pulse exceeds `rates.front_speed`."""
-    first, last = (choose(bead for _, bead, _ in physics.excitations(problem.system)) for choose in (min, max))
+    first, last = physics.span_at_start(problem.system)
     distance = rates.front_speed(problem.system) * np.linspace(0.0, problem.duration, 101)
     rows = np.minimum(problem.beads, last + distance) - np.maximum(1.0, first - distance) + 1.0
     if problem.rows.follow:
@@ -431,7 +431,9 @@ def _shorter(problem: Problem, share: float) -> Problem:
     system = problem.system
     if share == 1.0:
         return problem
-    marks = sorted({0, problem.beads + 1, *(bead for _, bead, _ in physics.excitations(system))})
+    first, last = physics.span_at_start(system)
+    started = range(first, last + 1) if system.start is not None else ()
+    marks = sorted({0, problem.beads + 1, *(bead for _, bead, _ in physics.excitations(system)), *started})
     place = {0: 0}
     for before, after in itertools.pairwise(marks):
         distance = after - before

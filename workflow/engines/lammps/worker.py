@@ -201,7 +201,14 @@ def fault(
     if physics.driven(system):  # which puts in energy without end
         return None
     energy = float(motion.energy(system, displacement, velocity, first)) + elsewhere
-    change = energy / physics.energy(system) - 1.0
+    if system.weights:  # whose work is no part of the energy at the start, and has no bound where all fall
+        kinetic = float(np.sum(motion.kinetic_energy(system, velocity, first)))
+        energy += float(physics.weight_energy(system, physics.initial_state(system)[0])) - physics.energy_at_start(
+            system
+        )
+        change = energy / max(physics.energy(system), kinetic)
+    else:
+        change = energy / physics.energy(system) - 1.0
     if change > ENERGY_TOLERANCE and (system.loads or system.dampers or not system.holds(Fact.FRAMES)):
         bound = "the largest possible work of the pushes" if system.loads else "the energy input"
         return f"the energy is {100.0 * change:.3g}% above {bound}; {_remedy(problem)}"

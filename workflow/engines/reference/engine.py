@@ -109,10 +109,9 @@ def blocks(
         rows = WIDER * problem.rows.existing
     step = problem.every / steps
     state = make_state(problem, rows, as_lammps=scheme is VERLET, step=step)
-    x, v = state.x, state.v
     lines = problem.lines
     beads = _beads_of_frames(problem, state, 0.0)
-    start = x[beads, :lines].T[np.newaxis].copy(), v[beads, :lines].T[np.newaxis].copy()
+    x, v = physics.initial_state(problem.system)[:, np.newaxis, :lines, beads - 1]
     counts = scheme is not VERLET and physics.exchanges(problem.system)
 
     def block(time: Floats, x: Floats, v: Floats, exchange: Floats, states: Floats) -> Trajectory:
@@ -121,7 +120,7 @@ def blocks(
         counted = exchange if counts else None
         return Trajectory.of_atoms(problem, time, x, v, first, counted, states if states.size else None)
 
-    yield block(np.zeros(1), *start, np.zeros((1, len(EXCHANGES))), state.compiled.contacts[np.newaxis].copy())
+    yield block(np.zeros(1), x, v, np.zeros((1, len(EXCHANGES))), state.compiled.contacts[np.newaxis].copy())
     size = min(frames_per_block(problem), most_frames or problem.frames)
     if problem.rows.follow:
         size = max(1, min(size, math.floor(_ADVANCE / (rates.front_speed(problem.system) * problem.every))))
@@ -262,13 +261,15 @@ def make_state(problem: Problem, rows: int | None, *, as_lammps: bool = False, s
         ValueError: a window too narrow for the rows that are kicked and a pulse ahead of them.
     """
     system = problem.system
-    kicked = [bead for _, bead, _ in physics.excitations(system)]
-    first, last = max(1, min(kicked) - 1), min(problem.beads, max(kicked) + 1)
+    first, last = physics.span_at_start(system)
+    first, last = max(1, first - 1), min(problem.beads, last + 1)
     least = last - first + 30
     if rows is not None and rows < least:
         raise ValueError(f"a window of {rows} rows is too narrow; at least {least}")
     x, v = np.zeros((2, problem.beads + 2, physics.lines(problem.system)))
-    v[1:-1, : problem.chains] = physics.initial_velocity(system).T
+    at_start = physics.initial_state(system)
+    x[1:-1] = at_start[0].T
+    v[1:-1] = (at_start[1] if as_lammps else velocity_of_state(system, *at_start)).T
     span = np.array([first, last, problem.beads if rows is None else rows, 1])
     terms, parameters = make_terms(system, as_lammps=as_lammps, step=step)
     state = kernel.make_state(x, v, span, terms, system)

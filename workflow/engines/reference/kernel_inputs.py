@@ -159,7 +159,7 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
     terms = Terms(
         contacts=tuple(taken.term(link.law, *between, first=2, state_at="[k]") for link in system.along),
         across=taken.terms(system.across),
-        ground=taken.terms(system.ground),
+        ground=taken.terms((*system.ground, *system.weights)),
         walls=taken.terms(system.walls),
         dampers=(
             tuple(taken.term(link.law, *between, first=2) for link in dampers["along"]),

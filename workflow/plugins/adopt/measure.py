@@ -408,10 +408,12 @@ class _Bench:
             "beads that overlap are held by `precompression: {force: ...}`, or by walls at the ends, or lie on a wall "
             "under `gravity`"
             if pressed
-            else "a column that has settled on a wall is `gravity: ...` with `walls`, what then moves it `kick`; free "
-            "fall before the first contact is no part of a scene"
+            else "a column that has settled on a wall is `gravity: ...` with `walls`, what then moves it `kick`; "
+            "beads that fall, `gravity: {acceleration: ..., settled: false}`, and displaced ones, `initial`, are not "
+            "recognised"
         )
-        return f"force {self.rest[place]:.6g} on atom {self.atoms.ids[place]}; a scene starts in equilibrium: {start}"
+        force = f"force {self.rest[place]:.6g} on atom {self.atoms.ids[place]}"
+        return f"{force}; an adopted scene starts in equilibrium: {start}"
 
     # --- dashpots -----------------------------------------------------------------------------------------------------
 

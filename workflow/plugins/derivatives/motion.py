@@ -124,9 +124,10 @@ def derivatives_of_motion(
     terms, _ = kernel_inputs.make_terms(system, as_lammps=False, step=0.0)
     shift = _shift_arrays(problem, sides, terms, state.parameters)
     arrays = tangent.make_arrays(terms, len(sides), state.x.size)
-    for vector, side in zip(arrays.dv, sides, strict=True):
-        starts = np.array([physics.initial_velocity(end.system).T for end in side.problems])
-        vector.reshape(state.x.shape)[1:-1, : problem.chains] = np.tensordot(side.weights, starts, axes=1)
+    for dx, dv, side in zip(arrays.dx, arrays.dv, sides, strict=True):
+        starts = np.array([_start_of_state(end) for end in side.problems])
+        for vector, change in zip((dx, dv), np.tensordot(side.weights, starts, axes=1), strict=True):
+            vector.reshape(state.x.shape)[1:-1] = change.T
     program = kernel.make_derivative_program(terms)
     stepping = engine.make_steps(schemes.BLANES_MOAN, problem.every / steps)
     moving = _empty_frames(problem, len(sides))
@@ -149,6 +150,12 @@ def derivatives_of_motion(
             for array, values in zip(recorded_frames, of_all, strict=True):
                 array[:] = values[..., : problem.lines, problem.rows.numbers - 1]
     return moving
+
+
+def _start_of_state(problem: Problem) -> Floats:
+    """Displacements and velocities of the kernel's state at the start, [2, line, bead] in units of L and V."""
+    x, v = physics.initial_state(problem.system)
+    return np.stack([x, engine.velocity_of_state(problem.system, x, v)])
 
 
 def _frames_of_all(frames: kernel.DerivativeFrames, lines: int, beads: int) -> kernel.DerivativeFrames:

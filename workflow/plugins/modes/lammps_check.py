@@ -50,7 +50,7 @@ def lammps_problem(problem: Problem, energy: float, period: float, steps: int, p
     """Problem of LAMMPS for some periods of a state, a frame each; one kick of its energy sets the beads' diameter."""
     chain, bead = np.argwhere(free_atoms(problem.system)[: problem.chains])[0].tolist()
     speed = math.sqrt(2.0 * energy / float(physics.mass_of(problem.system, chain, bead)))
-    system = replace(problem.system, kicks=((chain + 1, bead + 1, speed),))
+    system = replace(problem.system, kicks=((chain + 1, bead + 1, speed),), start=None)
     rows = problem.rows.only(None)
     return replace(problem, system=system, timestep=period / steps, steps_per_frame=steps, frames=periods, rows=rows)
 

@@ -85,6 +85,7 @@ def refuse_not_conservative(problem: Problem, source: str) -> None:
         ),
         (system.dampers, "damping dissipates energy; leave `damping` out"),
         (system.loads, "a push does work; leave `push` out, and kick a bead instead"),
+        (system.weights, "weights of beads that fall do work; leave `settled: false` out"),
         (physics.varying(system), "a foundation that varies in time does work; give one number as its `stiffness`"),
     )
     for present, reason in reasons:

@@ -63,6 +63,8 @@ class RigidEngine(engines.Engine):
             return f"`collisions` has no push and no drive; {other}"
         if system.dampers:
             return f"`collisions` has no damping; {other}"
+        if system.start is not None:
+            return f"`collisions` starts from kicks alone; {other}"
         if not physics.simply_coupled(system):
             return f"`collisions` is for equal linear springs between neighbouring chains only; {other}"
         gaps = np.atleast_2d(system.along[0].gap)

@@ -1,0 +1,141 @@
+"""Initial states: exact motions, units, energy and tables; the motion of all forms is in `test_every_ingredient`."""
+
+import math
+
+import numpy as np
+import pytest
+
+from lammps_inputs import InputError, library, physics
+from lammps_inputs.facts import Fact
+from workflow.engines.reference import engine
+from workflow.runs.run import run
+from workflow.verdicts.analysis_files import analyse
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+PAIR = {"beads": 2, "initial": {"bead": 1, "displacement": 0.6}}
+
+
+def scene(keys, **more):
+    return library.from_plain({"name": "start", "beads": 2, "duration": 10.0, **keys, **more}, "x")
+
+
+def test_two_beads_released_from_an_overlap_share_its_energy_exactly(tmp_path):
+    case = scene(PAIR)
+    speed = math.sqrt(0.4 * 0.6**2.5)  # of either bead, of mass 1
+    done = run(case, tmp_path / "run")
+    for frames in (done.trajectory, engine.run(case.problem())):
+        velocity = frames.velocity[-1, 0] * case.scale.velocity
+        assert velocity == pytest.approx([-speed, speed], rel=1e-4)
+        assert np.sum(frames.velocity, axis=(1, 2)) == pytest.approx(0.0, abs=1e-13)
+    report = analyse(done.directory, figures=False)
+    assert report.conservation.energy_drift < 2e-4
+    assert report.conservation.momentum_drift < 1e-12
+
+
+def test_v_is_the_velocity_of_a_bead_with_the_energy_of_the_link_that_stores_most():
+    case = scene(PAIR)
+    assert case.scale.velocity == pytest.approx(math.sqrt(2.0 * 0.4 * 0.6**2.5), rel=1e-14)
+    assert physics.energy(case.system) == pytest.approx(0.5, rel=1e-12)
+    assert physics.largest_excitation(case.system) == (1, 1, pytest.approx(-1.0, rel=1e-12))
+    faster = scene(PAIR, kick={"velocity": 3.0})
+    assert faster.scale.velocity == 3.0
+
+
+def test_velocities_alone_are_kicks_which_add_to_those_of_the_same_bead():
+    kicked = scene({"beads": 20, "kick": {"velocity": 1.0}})
+    parts = {"beads": 20, "initial": {"bead": 1, "velocity": 0.25}, "kick": {"velocity": 0.75}}
+    state = scene(parts, timestep=0.0075)
+    problem = state.model_copy(update={"kick": ()}).problem()
+    assert problem.system.start.velocity[0, 0] == 1.0
+    np.testing.assert_allclose(
+        physics.initial_velocity(state.system) * state.scale.velocity,
+        physics.initial_velocity(kicked.system),
+        rtol=1e-15,
+    )
+    assert state.system.holds(Fact.PULSE)
+
+
+@pytest.mark.parametrize("mode", [1, 3])
+def test_a_normal_mode_of_a_linear_chain_keeps_its_shape(mode, tmp_path):
+    """Contacts of exponent 1 that stay closed are springs: ``x_i = a sin(q i) cos(omega t)`` between walls."""
+    beads, size, q = 8, 1e-3, mode * math.pi / 9.0
+    omega = 2.0 * math.sin(0.5 * q)
+    rows = [[1, i, size * math.sin(q * i), 0.0] for i in range(1, beads + 1)]
+    case = scene(
+        {"beads": beads, "contact": {"exponent": 1.0}, "walls": {"left": "bead", "right": "bead"}},
+        precompression={"force": 0.1},
+        initial={"table": rows},
+        duration=4.0 * math.pi / omega,
+        accuracy=1e-6,
+    )
+    done = run(case, tmp_path / "run")
+    time = done.trajectory.time * case.scale.time
+    exact = np.cos(omega * time)[:, np.newaxis] * [row[2] for row in rows]
+    error = np.max(np.abs(done.trajectory.displacement[:, 0] * case.scale.length - exact))
+    assert error < 2e-5 * size  # of velocities 1e-6 V, where V = sqrt(k) times the largest overlap
+
+
+def test_a_bead_that_is_drawn_back_swings_on_its_foundation_as_a_cosine(tmp_path):
+    case = scene(
+        {"beads": 3, "gap": 1.0, "foundation": {"stiffness": 0.3}, "initial": {"bead": 1, "displacement": -0.5}}
+    )
+    done = run(case, tmp_path / "run")
+    time = done.trajectory.time * case.scale.time
+    found = done.trajectory.displacement[:, 0, 0] * case.scale.length
+    assert found == pytest.approx(-0.5 * np.cos(math.sqrt(0.3) * time), abs=2e-4)
+    assert not np.any(done.trajectory.displacement[:, 0, 1:])
+
+
+def test_both_engines_start_from_the_same_numbers_to_the_last_bit(tmp_path):
+    parts = {"beads": 40, "initial": [{"bead": 31, "displacement": 0.1234567890123}, {"bead": 7, "velocity": -0.3}]}
+    case = scene(
+        parts, precompression={"force": 0.037}, damping={"contact": 0.05}, timestep=0.01, output={"every": 0.1}
+    )
+    done, reference = run(case, tmp_path / "run", check=False).trajectory, engine.run(case.problem())
+    np.testing.assert_array_equal(done.displacement[0], reference.displacement[0])
+    np.testing.assert_array_equal(done.velocity[0], reference.velocity[0])
+    assert done.displacement[0, 0, 30] * case.scale.length == pytest.approx(0.1234567890123, abs=1e-12)
+
+
+def test_the_energy_stored_at_the_start_is_energy_input_of_the_budget(tmp_path):
+    case = scene(PAIR, damping={"contact": 0.2, "law": "viscoelastic"})
+    budget = analyse(run(case, tmp_path / "run").directory, figures=False).conservation.budget
+    assert budget.energy_input == pytest.approx(0.5, rel=1e-12)
+    assert budget.contacts[0] == pytest.approx(0.5, rel=1e-12)
+    assert np.max(np.abs(budget.missing)) < 1e-3
+
+
+def test_a_table_of_a_file_may_leave_columns_and_cells_out_and_is_part_of_the_scene(tmp_path):
+    (tmp_path / "start.csv").write_text("bead;displacement;velocity\n2;;0.5\n\n3;-0.25;\n")
+    (tmp_path / "a.yaml").write_text("name: a\nbeads: 9\nduration: 5\ninitial: {table: start.csv}\n")
+    case = library.load(tmp_path / "a.yaml")
+    assert case.initial[0].table == ((1, 2, 0.0, 0.5), (1, 3, -0.25, 0.0))
+    assert library.from_plain(case.plain(), "x") == case
+    long = scene({"beads": 50}, initial={"table": [[1, i, 0.1 / i, -1.0 / 3.0] for i in range(1, 51)]})
+    assert long.plain()["initial"]["table"].startswith("chain,bead,displacement,velocity\n1,1,0.1,-0.333")
+    assert library.from_plain(long.plain(), "x") == long
+
+
+@pytest.mark.parametrize(
+    ("initial", "message"),
+    [
+        ({"bead": 3, "displacement": 0.1}, "initial.bead: 3 is outside the array (beads 1 to 2)"),
+        ({"bead": 1}, "displacement: is missing; give a displacement, a velocity or both"),
+        ({"displacement": 1.0}, "bead: is missing; give the number of a bead, or a table"),
+        ({"bead": 1, "table": [[1, 1, 0.0, 1.0]]}, "bead: give either a table or one bead (both are given)"),
+        ({"table": [[1, 1, 0.0, 1.0], [1, 1, 0.1, 0.0]]}, "initial.table: names bead 1 of chain 1 twice"),
+        ({"table": [[2, 1, 0.0, 1.0]]}, "initial: chain 2 is outside the array (1 to 1;"),
+        ([{"bead": 1, "velocity": 1.0}] * 2, "initial[2]: names bead 1 of chain 1, which an entry before does, too"),
+        ({"bead": 2, "displacement": 0.3}, "kick: is missing; at least one bead must be kicked, or a striker"),
+        ({"table": "start.csv"}, "a file's name may stand in a scene's file only"),
+        ({"table": "bead,speed\n1,2\n"}, "line 1: 'bead, speed' found; valid: `chain,bead,displacement,velocity`"),
+        ({"table": "bead,velocity\n1,x\n"}, "line 2: '1,x' found; valid: numbers for bead, velocity"),
+        ({"table": "bead,velocity\n1.5,1\n"}, "line 2: '1.5,1' found"),
+    ],
+)
+def test_what_is_no_initial_state_is_refused_in_one_line(initial, message):
+    with pytest.raises(InputError) as refused:
+        scene({}, initial=initial)
+    assert message in str(refused.value)
+    assert "\n" not in str(refused.value)
