@@ -134,10 +134,16 @@ class Walls(Ingredient):
                     raise ValueError(
                         f"walls.{key}: matched is sqrt(k m) of beads alone, not with {other}; give {{damping: ...}}"
                     )
+            contact = setting.contact_law(1.0)
+            if contact is not None and laws.has_state(contact):
+                raise ValueError(
+                    f"walls.{key}: matched is sqrt(k m), and the stiffness k of these contacts depends on their past; "
+                    "give {damping: ...}"
+                )
             if not np.all(_end_stiffness(key, setting) > 0.0):
                 raise ValueError(
-                    f"walls.{key}: matched is sqrt(k m), and contacts that just touch have no stiffness k at rest; give "
-                    "`precompression`, a contact that pulls (`tension: allowed`), or {damping: ...}"
+                    f"walls.{key}: matched is sqrt(k m), and contacts that just touch have no stiffness k at rest; "
+                    "give `precompression`, a contact that pulls (`tension: allowed`), or {damping: ...}"
                 )
         largest = float(np.max(_coefficient(getattr(self, key), key, setting)))
         if largest > MOST_DAMPING:
@@ -158,7 +164,10 @@ class Walls(Ingredient):
     def cited(self) -> tuple[str, ...]:
         """Publications of the walls, and of the materials of blocks."""
         blocks = (kind.material for kind in (self.left, self.right) if isinstance(kind, Face))
-        return (*(self.sources if self._faces else ()), *dict.fromkeys(materials.CATALOGUE[name].source for name in blocks if name))
+        return (
+            *(self.sources if self._faces else ()),
+            *dict.fromkeys(materials.CATALOGUE[name].source for name in blocks if name),
+        )
 
     def links(self, setting: Setting) -> tuple[Links, ...]:
         """Links of the beads at the ends with each wall."""
