@@ -204,7 +204,9 @@ class BaseScene(ScenePart, metaclass=SceneType):
     kinds: Kinds | None = None
     """Kinds of beads by name, for `pattern` and `replace`."""
     pattern: Pattern | None = None
-    """Kinds along every chain, repeated; `20*name` stands for 20 of a kind; or a list of such lists, one for each chain."""
+    """Kinds along every chain, repeated, where `20*name` stands for 20 of a kind; or a list of such lists, one for each
+    chain.
+    """
     replace: Replacements | None = None
     """Single beads of another kind."""
     taper: Taper | None = None
@@ -217,10 +219,10 @@ class BaseScene(ScenePart, metaclass=SceneType):
     """Initial velocities; all other beads start at rest."""
     material: Material | None = None
     """Material of the beads; with it every number of the scene is in SI units."""
-    mass: Annotated[Annotated[float, Field(gt=0, le=1e30)] | None, Unit("kg", always=True), Label("bead mass", "m")] = (
-        None
-    )
-    """Mass of the beads, in place of a material, beside `contact.stiffness`; every number of the scene is in SI units."""
+    mass: Annotated[Annotated[Positive, Unit("kg", always=True)] | None, Label("mass of the beads", "m")] = None
+    """Mass of the beads, in place of a material and beside `contact.stiffness`; every number of the scene is then in SI
+    units.
+    """
     duration: Annotated[Positive, Unit("s")] | None = None
     """Time at which the run ends; or give `until_bead`."""
     until_bead: Count | None = None
@@ -434,8 +436,8 @@ class BaseScene(ScenePart, metaclass=SceneType):
         masses = np.broadcast_to(self.system.mass, (self.chains, self.beads))
         if not self._si and (constant or 0.0) > STIFF and np.any(masses == 1.0):
             yield (
-                f"contact.stiffness in N/m^{self.contact_scale[0]:g}? {constant:g} in reduced units, where the mass of a "
-                "bead is 1; beside `mass`, such as mass: 0.0283 (kg), all numbers are in SI units"
+                f"contact.stiffness in N/m^{self.contact_scale[0]:g}? {constant:g} in reduced units, where the mass of "
+                "a bead is 1; beside `mass`, such as mass: 0.0283 (kg), all numbers are in SI units"
             )
 
     def _times_in_seconds(self) -> Iterator[str]:
