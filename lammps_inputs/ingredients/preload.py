@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import GetJsonSchemaHandler, model_serializer, model_validator
+from pydantic import ConfigDict, GetJsonSchemaHandler, model_serializer, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
@@ -21,6 +21,7 @@ from lammps_inputs.ingredients.unequal import masses_and_strengths, neighbours
 from lammps_inputs.laws import has_state
 from lammps_inputs.laws.weight import Weight
 from lammps_inputs.layout import layout_of
+from lammps_inputs.limits.solids import FLATTENED, LARGEST_OVERLAP
 from lammps_inputs.links import Links
 from lammps_inputs.system import System
 from lammps_inputs.units import Label, Unit
@@ -54,6 +55,8 @@ class _Load(Ingredient):
 class Precompression(_Load):
     """A constant force that presses the ends of every chain together; where there are walls, they hold it."""
 
+    model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": ["force"]}, {"required": ["overlap"]}]})
+
     example: ClassVar[str] = "{force: 1}"
     sources = ("nesterenko2001", "daraio2006")
 
@@ -76,6 +79,12 @@ class Precompression(_Load):
         super().refuse(setting)
         if self.overlap is None:
             return
+        ball = setting.material
+        if ball is not None and self.overlap >= FLATTENED * ball.radius:
+            raise ValueError(
+                f"precompression.overlap: {self.overlap:g} m is {self.overlap / ball.radius:.2g} times the radius, where "
+                f"Hertz's law holds below {LARGEST_OVERLAP}; {self.overlap:g} mm is {1e-3 * self.overlap:g} m"
+            )
         strength = masses_and_strengths(setting)[1]
         if np.ndim(strength):
             raise ValueError("precompression.overlap: the contacts differ, and so do their overlaps; give `force`")

@@ -44,7 +44,7 @@ class PowerContact(Contact):
                 "contact.stiffness: the material determines it for contacts of exponent 1.5; leave it out, or give the "
                 "beads' `mass` (kg) in place of the material"
             )
-        if setting.scale.si and self.stiffness is None and not (setting.material is not None and self.of_spheres):
+        if setting.material is not None and not self.of_spheres and self.stiffness is None:
             raise ValueError(f"contact.stiffness: is missing; the force at an overlap of 1 m, in N/m^{self.exponent:g}")
 
     def contact_law(self, strength: Parameter) -> Law | None:
