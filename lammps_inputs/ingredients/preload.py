@@ -21,7 +21,6 @@ from lammps_inputs.ingredients.unequal import masses_and_strengths, neighbours
 from lammps_inputs.laws import has_state
 from lammps_inputs.laws.weight import Weight
 from lammps_inputs.layout import layout_of
-from lammps_inputs.limits.solids import FLATTENED, LARGEST_OVERLAP
 from lammps_inputs.links import Links
 from lammps_inputs.system import System
 from lammps_inputs.units import Label, Unit
@@ -80,10 +79,10 @@ class Precompression(_Load):
         if self.overlap is None:
             return
         ball = setting.material
-        if ball is not None and self.overlap >= FLATTENED * ball.radius:
+        if ball is not None and self.overlap >= ball.radius:
             raise ValueError(
-                f"precompression.overlap: {self.overlap:g} m is {self.overlap / ball.radius:.2g} times the radius, where "
-                f"Hertz's law holds below {LARGEST_OVERLAP}; {self.overlap:g} mm is {1e-3 * self.overlap:g} m"
+                f"precompression.overlap: {self.overlap:g} m is {self.overlap / ball.radius:.2g} times the radius, "
+                f"where no contact is elastic; {self.overlap:g} mm is {1e-3 * self.overlap:g} m"
             )
         strength = masses_and_strengths(setting)[1]
         if np.ndim(strength):

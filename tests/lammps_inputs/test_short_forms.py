@@ -1,4 +1,4 @@
-"""Short ways to write a scene: counts in patterns, overlap in place of a load, mass and constant in place of a material."""
+"""Short forms of a scene: counts in patterns, overlap in place of a load, mass and constant in place of a material."""
 
 import numpy as np
 import plain_scene
