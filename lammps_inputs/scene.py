@@ -99,6 +99,12 @@ LONG = 1e5
 SHORT, SHORT_EVERY, SHORT_STEP = 1e-2, 1e-5, 1e-6
 """Duration, time between frames and time step, in units of T, below which they are unlikely in reduced units."""
 
+HEAVY = 10.0
+"""Mass of a bead in kg from which on it is unlikely."""
+
+STIFF = 1e4
+"""Contact constant from which on it is unlikely in reduced units."""
+
 EQUAL_BEADS = 5.0
 """Beads over 1 / kappa within which pulses of two coupled chains become equal to 1 %: measured, 5.1 to 8.5."""
 
@@ -198,7 +204,9 @@ class BaseScene(ScenePart, metaclass=SceneType):
     kinds: Kinds | None = None
     """Kinds of beads by name, for `pattern` and `replace`."""
     pattern: Pattern | None = None
-    """Kinds along every chain, repeated; or a list of such lists, one for each chain."""
+    """Kinds along every chain, repeated, where `20*name` stands for 20 of a kind; or a list of such lists, one for each
+    chain.
+    """
     replace: Replacements | None = None
     """Single beads of another kind."""
     taper: Taper | None = None
@@ -211,6 +219,10 @@ class BaseScene(ScenePart, metaclass=SceneType):
     """Initial velocities; all other beads start at rest."""
     material: Material | None = None
     """Material of the beads; with it every number of the scene is in SI units."""
+    mass: Annotated[Annotated[Positive, Unit("kg", always=True)] | None, Label("mass of the beads", "m")] = None
+    """Mass of the beads, in place of a material and beside `contact.stiffness`; every number of the scene is then in SI
+    units.
+    """
     duration: Annotated[Positive, Unit("s")] | None = None
     """Time at which the run ends; or give `until_bead`."""
     until_bead: Count | None = None
@@ -266,6 +278,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
             raise ValueError(f"until_bead: {self.until_bead} is outside the array (beads 1 to {self.beads})")
         if self.timestep is not None and self.accuracy is not None:
             raise ValueError("accuracy: give either accuracy or timestep (both are given)")
+        self._check_mass()
         self._check_window()
         self._check_numbers()
         self._check_materials()
@@ -293,6 +306,18 @@ class BaseScene(ScenePart, metaclass=SceneType):
                     raise ValueError(f"{reason} beside {key}; leave one of them out")
             if self.window is not None:
                 raise ValueError(f"window: {key} behind it keep moving; leave the window out")
+
+    def _check_mass(self) -> None:
+        """Refuse a mass beside a material, and one without the constant of the contacts."""
+        if self.mass is None:
+            return
+        if self.material is not None:
+            raise ValueError("mass: the material determines it; leave one of them out")
+        if self.contact_scale[1] is None:
+            raise ValueError(
+                "mass: is in SI units, which need the constant A of the force A overlap^p, too; valid: "
+                "`contact: {stiffness: 1.05e7}` (N/m^1.5), or a `material` in place of the mass"
+            )
 
     def _check_window(self) -> None:
         """Refuse a window where what leaves it matters."""
@@ -400,12 +425,24 @@ class BaseScene(ScenePart, metaclass=SceneType):
             )
         if self.in_units_of_time:
             warnings.append(f"duration in s? {self.in_units_of_time}")
-        warnings += [*self._times_in_seconds(), *filter(None, [self.uncoupled()])]
+        warnings += [*self._times_in_seconds(), *self._unlikely_masses(), *filter(None, [self.uncoupled()])]
         return warnings
+
+    def _unlikely_masses(self) -> Iterator[str]:
+        """Warnings of a mass in g, and of a contact constant in SI units where the mass of a bead is 1."""
+        mass, constant = self.mass, self.contact_scale[1]
+        if mass is not None and mass > HEAVY:
+            yield f"mass in kg? {mass:g} kg is that of no bead of an experiment; {mass:g} g is {1e-3 * mass:g} kg"
+        masses = np.broadcast_to(self.system.mass, (self.chains, self.beads))
+        if not self._si and (constant or 0.0) > STIFF and np.any(masses == 1.0):
+            yield (
+                f"contact.stiffness in N/m^{self.contact_scale[0]:g}? {constant:g} in reduced units, where the mass of "
+                "a bead is 1; beside `mass`, such as mass: 0.0283 (kg), all numbers are in SI units"
+            )
 
     def _times_in_seconds(self) -> Iterator[str]:
         """Warnings of times in reduced units that are as short as those in seconds."""
-        if self.material is not None:
+        if self._si:
             return
         unit = self.scale.time
         named = {"duration": (self.duration, SHORT), "timestep": (self.timestep, SHORT_STEP)}
@@ -437,7 +474,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
     def in_units_of_time(self) -> str:
         """Long duration of a scene in SI units, in T, which may have been meant; empty where it is not long."""
         unit = self.scale.time
-        if self.material is None or self.duration is None or not self.duration > LONG * unit:
+        if not self._si or self.duration is None or not self.duration > LONG * unit:
             return ""
         return (
             f"{self.duration:g} s is {self.duration / unit:.3g} T, the unit of time T being {unit:.4g} s "
@@ -519,10 +556,22 @@ class BaseScene(ScenePart, metaclass=SceneType):
         """Sizes of the dimensionless units where V is this velocity, in the scene's units."""
         ball = self.material
         exponent, constant = self.contact_scale
+        if ball is not None:
+            constant = constant or hertz_constant(ball.radius, ball.youngs_modulus, ball.poisson_ratio)
+        return make_scale(self._bead_mass, constant or 1.0, velocity, si=self._si, exponent=exponent)
+
+    @property
+    def _si(self) -> bool:
+        """Whether numbers are in SI units."""
+        return self.material is not None or self.mass is not None
+
+    @property
+    def _bead_mass(self) -> float:
+        """Mass of the reference bead, in the scene's units."""
+        ball = self.material
         if ball is None:
-            return make_scale(1.0, constant or 1.0, velocity, si=False, exponent=exponent)
-        constant = constant or hertz_constant(ball.radius, ball.youngs_modulus, ball.poisson_ratio)
-        return make_scale(sphere_mass(ball.radius, ball.density), constant, velocity, si=True, exponent=exponent)
+            return 1.0 if self.mass is None else self.mass
+        return sphere_mass(ball.radius, ball.density)
 
     @property
     def units(self) -> str:
@@ -559,10 +608,8 @@ class BaseScene(ScenePart, metaclass=SceneType):
         """Key of all that sets a bead in motion, and the speed that it gives it."""
         for number, kick in enumerate(self.kicks):
             yield _kick_key(self, number).partition("[")[0], abs(kick.velocity)
-        ball = self.material
-        mass = 1.0 if ball is None else sphere_mass(ball.radius, ball.density)
         for key, ingredient in self.named:
-            yield key, ingredient.speed(mass)
+            yield key, ingredient.speed(self._bead_mass)
         yield from self._released
 
     @cached_property

@@ -31,9 +31,9 @@ class Unit:
     """Unit of a scene's key that holds a number; it stands in the key's type, ``Annotated[float, Unit("m/s")]``.
 
     Attributes:
-        si: symbol with a material, or a function that finds it from the scene's keys and those beside that one; empty
+        si: symbol in SI units, or a function that finds it from the scene's keys and those beside that one; empty
             for counts and shares.
-        always: whether the unit is the same without a material.
+        always: whether the unit is the same in reduced units.
     """
 
     si: str | Callable[[Mapping[str, Any]], str]
@@ -44,7 +44,7 @@ class Unit:
 
         Args:
             keys: plain data of the scene, over them those of the keys around this one.
-            si: whether the scene has a material.
+            si: whether the scene is in SI units.
         """
         name = self.si if isinstance(self.si, str) else self.si(keys)
         return name if si or self.always or not name else REDUCED
@@ -78,6 +78,11 @@ class Dimension:
         unit = getattr(scale, self.unit) / getattr(scale, self.over)
         length = scale.length ** abs(self.length)
         return float(unit / length if self.length < 0.0 else unit * length)
+
+
+def in_si(keys: Mapping[str, Any]) -> bool:
+    """Whether the numbers of a scene, of which these are the keys, are in SI units."""
+    return any(keys.get(key) is not None for key in ("material", "mass"))
 
 
 def dimension_of(hint: Any) -> Dimension | None:
@@ -150,7 +155,7 @@ ENERGY_INPUT = "energy input"
 
 @dataclass(frozen=True)
 class Scale:
-    """Sizes of the dimensionless units in the scene's units (SI with a material, else reduced units)."""
+    """Sizes of the dimensionless units in the scene's units (SI with a material or a mass, else reduced units)."""
 
     mass: float
     length: float

@@ -58,12 +58,12 @@ def _of_beads(scene: "BaseScene") -> Iterator[BeadColumn]:
     shape = (scene.chains, scene.beads)
     mass, _ = unequal.masses_and_strengths(scene.setting)
     radius = 1.0 if ball is None else ball.radius
+    si = ball is not None
     plane_modulus = 1.0 if ball is None else ball.youngs_modulus / (1.0 - ball.poisson_ratio**2)
     yield BeadColumn(scale.heading("mass", "mass"), scale.mass * np.broadcast_to(mass, shape))
-    yield BeadColumn(scale.heading("radius", "length"), radius * unequal.radii(scene.setting))
-    yield BeadColumn(
-        "plane_modulus (Pa)" if scale.si else "plane_modulus", plane_modulus * unequal.moduli(scene.setting)
-    )
+    if si or not scale.si:  # beads given by their mass have no radius in m
+        yield BeadColumn(scale.heading("radius", "length"), radius * unequal.radii(scene.setting))
+    yield BeadColumn("plane_modulus (Pa)" if si else "plane_modulus", plane_modulus * unequal.moduli(scene.setting))
 
 
 def _of_link(link: Links, scene: "BaseScene") -> Iterator[BeadColumn]:

@@ -5,18 +5,20 @@ waves on top of the load (Nesterenko, Dynamics of Heterogeneous Materials, 2001;
 Phys. Rev. E 73, 026610, 2006).
 """
 
-from typing import Annotated, Any, ClassVar
+from functools import partial
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import GetJsonSchemaHandler, model_serializer, model_validator
+from pydantic import ConfigDict, GetJsonSchemaHandler, model_serializer, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
 from lammps_inputs import physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Positive, Setting
-from lammps_inputs.ingredients.unequal import masses_and_strengths
+from lammps_inputs.ingredients.unequal import masses_and_strengths, neighbours
+from lammps_inputs.laws import has_state
 from lammps_inputs.laws.weight import Weight
 from lammps_inputs.layout import layout_of
 from lammps_inputs.links import Links
@@ -52,17 +54,50 @@ class _Load(Ingredient):
 class Precompression(_Load):
     """A constant force that presses the ends of every chain together; where there are walls, they hold it."""
 
+    model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": ["force"]}, {"required": ["overlap"]}]})
+
     example: ClassVar[str] = "{force: 1}"
     sources = ("nesterenko2001", "daraio2006")
 
     key: ClassVar[str] = "precompression"
 
-    force: Annotated[Positive, Unit("N"), Label("precompression", "F_0")]
-    """Static force F0 at both ends of every chain."""
+    force: Annotated[Annotated[Positive, Unit("N")] | None, Label("precompression", "F_0")] = None
+    """Static force F0 at both ends of every chain; or give `overlap`."""
+    overlap: Annotated[Annotated[Positive, Unit("m")] | None, Label("overlap by precompression", "\\delta_0")] = None
+    """Overlap under F0 alone of contacts that are all alike, F0 = A overlap^p; in place of `force`."""
+
+    @model_validator(mode="after")
+    def _exactly_one(self) -> Self:
+        if (self.force is None) == (self.overlap is None):
+            given = "neither is given" if self.force is None else "both are given"
+            raise ValueError(f"give either force or overlap ({given})")
+        return self
+
+    def refuse(self, setting: Setting) -> None:
+        """Refuse also the overlap of contacts that differ, or of a force that is no power of it."""
+        super().refuse(setting)
+        if self.overlap is None:
+            return
+        ball = setting.material
+        if ball is not None and self.overlap >= ball.radius:
+            raise ValueError(
+                f"precompression.overlap: {self.overlap:g} m is {self.overlap / ball.radius:.2g} times the radius, "
+                f"where no contact is elastic; {self.overlap:g} mm is {1e-3 * self.overlap:g} m"
+            )
+        strength = masses_and_strengths(setting)[1]
+        if np.ndim(strength):
+            raise ValueError("precompression.overlap: the contacts differ, and so do their overlaps; give `force`")
+        law = setting.law_between(strength, partial(neighbours, setting))
+        if law is not None and (has_state(law) or law.overlap_under is None):
+            raise ValueError("precompression.overlap: the force of the contacts is no power of it; give `force`")
 
     def static(self, setting: Setting, mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:  # noqa: ARG002
         """Force at rest, dimensionless: a number for all contacts; masses, [chain, bead], do not matter."""
-        return self.force / float(setting.scale.force)
+        if self.overlap is None:
+            assert self.force is not None
+            return self.force / float(setting.scale.force)
+        strength = masses_and_strengths(setting)[1]
+        return np.asarray(strength * (self.overlap / setting.scale.length) ** setting.contact_scale[0])
 
 
 class Gravity(_Load):

@@ -5,6 +5,8 @@ Every bead has a mass, a radius and a plane modulus ``E / (1 - nu**2)``, here in
 as that of two reference beads (Hertz 1882).
 """
 
+import re
+from collections.abc import Sequence
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -24,9 +26,8 @@ from lammps_inputs.ingredients.base import (
     refuse_other_count,
     refuse_outside,
 )
-from lammps_inputs.ingredients.material import Material
 from lammps_inputs.numbers import number_or_array, random_shares
-from lammps_inputs.units import PURE, Label, Unit, sphere_mass
+from lammps_inputs.units import PURE, Label, Unit
 
 Floats = NDArray[np.float64]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")]
@@ -38,6 +39,10 @@ MOST = 1e6
 """Largest mass and strength, and one over the smallest, in those of the reference bead: beyond it bead and wall."""
 
 
+MOST_KINDS = 10**6
+"""Largest length of a pattern."""
+
+
 class BeadKind(ScenePart):
     """A bead; what it does not name is the reference bead's."""
 
@@ -46,7 +51,7 @@ class BeadKind(ScenePart):
     mass: Annotated[Positive, Unit("kg")] | None = None
     """Mass; that of a sphere of this radius and density if omitted."""
     radius: Annotated[Positive, Unit("m")] | None = None
-    """Radius; the reference bead's if omitted."""
+    """Radius; the reference bead's if omitted. Not beside the scene's `mass`."""
     material: materials.Name | None = None
     """Material by name (see `material`), whose constants hold where none are given; with a material only."""
     density: Annotated[Positive, Unit("kg/m3")] | None = None
@@ -67,12 +72,15 @@ class BeadKind(ScenePart):
     def _completed(cls, keys: Any) -> Any:
         return materials.completed(keys, "material")
 
-    def refuse(self, key: str, material: Material | None) -> None:
+    def refuse(self, key: str, setting: Setting) -> None:
         """Refuse what does not go with the scene's units.
 
         Raises:
             ValueError: naming the key.
         """
+        material = setting.material
+        if material is None and setting.scale.si and self.radius is not None:
+            raise ValueError(f"{key}.radius: beads given by `mass` have no radius; leave it out, or give a `material`")
         wrong = ("stiffness",) if material is not None else ("material", *materials.CONSTANTS)
         for name in wrong:
             if getattr(self, name) is not None:
@@ -89,11 +97,12 @@ class BeadKind(ScenePart):
                 f"{key}.yield_strength: is missing beside material.yield_strength; a number (Pa) or catalogue"
             )
 
-    def relative(self, material: Material | None) -> tuple[float, float, float, float]:
+    def relative(self, setting: Setting) -> tuple[float, float, float, float]:
         """Mass, radius, plane modulus and yield strength in those of the reference bead."""
+        material, reference_mass = setting.material, setting.scale.mass
         if material is None:
             radius = 1.0 if self.radius is None else self.radius
-            mass = radius * radius * radius if self.mass is None else self.mass
+            mass = radius * radius * radius if self.mass is None else self.mass / reference_mass
             return mass, radius, 1.0 if self.stiffness is None else self.stiffness, 1.0
 
         def of(name: str) -> float:
@@ -103,7 +112,7 @@ class BeadKind(ScenePart):
         radius = of("radius") / material.radius
         mass = radius * radius * radius * (of("density") / material.density)
         if self.mass is not None:
-            mass = self.mass / sphere_mass(material.radius, material.density)
+            mass = self.mass / reference_mass
         modulus = of("youngs_modulus") / material.youngs_modulus
         modulus *= (1.0 - material.poisson_ratio**2) / (1.0 - of("poisson_ratio") ** 2)
         yields = 1.0 if material.yield_strength is None else of("yield_strength") / material.yield_strength
@@ -162,7 +171,25 @@ def _kinds_in_order(value: Any) -> Any:
     )
     if not (single or several):
         raise ValueError("should be a list of kinds, or a list of such lists, one for each chain")
-    return tuple(rows) if single else tuple(tuple(row) for row in rows)
+    return _written_out(rows) if single else tuple(_written_out(row) for row in rows)
+
+
+def _written_out(row: Sequence[str]) -> tuple[str, ...]:
+    """Kinds of a row in which ``20*steel`` stands for twenty of a kind.
+
+    Raises:
+        ValueError: naming an entry that is neither a kind nor a number of them, or too many kinds.
+    """
+    kinds: list[str] = []
+    for entry in row:
+        repeated = re.fullmatch(r"\s*([0-9]{1,9})\s*\*\s*([^\s*]+)\s*", entry)
+        count, name = (int(repeated[1]), repeated[2]) if repeated else (1, entry)
+        if count < 1 or (repeated is None and "*" in entry):
+            raise ValueError(f"{entry!r} should be the name of a kind, or N*name with a whole number N from 1 on")
+        if len(kinds) + count > MOST_KINDS:
+            raise ValueError(f"{entry!r} makes it {len(kinds) + count} kinds long; at most {MOST_KINDS}")
+        kinds += [name] * count
+    return tuple(kinds)
 
 
 def _one_or_several(value: Any) -> Any:
@@ -173,7 +200,7 @@ Kinds = dict[Name, BeadKind]
 """Beads by name, for a pattern and replacements."""
 
 Pattern = Annotated[tuple[Any, ...], BeforeValidator(_kinds_in_order)]
-"""Kinds along every chain, over and over; or a list of such lists, one for each chain."""
+"""Kinds along every chain, over and over, ``N*name`` for N of a kind; or a list of such lists, one for each chain."""
 
 Replacements = Annotated[tuple[Replacement, ...], BeforeValidator(_one_or_several)]
 
@@ -274,9 +301,9 @@ def _refuse(setting: Setting) -> None:
     kinds, pattern, striker = setting.part("kinds") or {}, setting.part("pattern"), setting.part("striker")
     replacements = _replacements(setting)
     for kind_name, kind in kinds.items():
-        kind.refuse(f"kinds.{kind_name}", setting.material)
+        kind.refuse(f"kinds.{kind_name}", setting)
     if striker is not None:
-        striker.refuse("striker", setting.material)
+        striker.refuse("striker", setting)
     if kinds and not pattern and not replacements:
         raise ValueError("kinds: neither pattern nor replace names any of them")
     if pattern and isinstance(pattern[0], tuple):
@@ -331,7 +358,7 @@ def _beads(setting: Setting) -> tuple[Floats, Floats, Floats, Floats]:
     shape = (setting.chains, setting.beads)
     taper, disorder, striker = (setting.part(key) for key in ("taper", "disorder", "striker"))
     numbers = np.ones((4, *shape))
-    relative = {name: kind.relative(setting.material) for name, kind in (setting.part("kinds") or {}).items()}
+    relative = {name: kind.relative(setting) for name, kind in (setting.part("kinds") or {}).items()}
     for chain, row in enumerate(_rows(setting)):
         for place, name in enumerate(row):
             numbers[:, chain, place :: len(row)] = np.array(relative[name])[:, np.newaxis]
@@ -349,5 +376,5 @@ def _beads(setting: Setting) -> tuple[Floats, Floats, Floats, Floats]:
         mass *= factor * factor * factor * disorder.factors("mass", shape)
         modulus *= disorder.factors("stiffness", shape)
     if striker is not None:
-        numbers[:, striker.chain - 1, 0] = striker.relative(setting.material)
+        numbers[:, striker.chain - 1, 0] = striker.relative(setting)
     return mass, radius, modulus, yields

@@ -235,7 +235,7 @@ def _solids(kind: Kind, setting: Setting, bead: int) -> Solids:
     if kind == "rigid":
         plane_modulus = 2.0 * plane_modulus
     elif isinstance(kind, Face) and kind.material is not None:
-        block = Bead(material=kind.material).relative(setting.material)[2]
+        block = Bead(material=kind.material).relative(setting)[2]
         plane_modulus = plane_modulus * (2.0 * block / (block + plane_modulus))
     return Solids(*map(_of_chains, (radius, plane_modulus, softness(setting, bead))))
 
@@ -246,5 +246,5 @@ def _strength(kind: Kind, setting: Setting, bead: int) -> float | NDArray[np.flo
         return STRENGTHS[kind] * with_its_like(setting, bead)
     if kind.stiffness is not None:
         return kind.stiffness / float(setting.scale.force / setting.scale.length ** setting.contact_scale[0])
-    block, bead_modulus = Bead(material=kind.material).relative(setting.material)[2], modulus(setting, bead)
+    block, bead_modulus = Bead(material=kind.material).relative(setting)[2], modulus(setting, bead)
     return STRENGTHS["rigid"] * block / (block + bead_modulus) * with_its_like(setting, bead)

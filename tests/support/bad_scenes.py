@@ -416,6 +416,7 @@ _UNLIKE_ENDS = {
     "pattern": [["heavy", "heavy", "light", "light"], ["light", "light", "heavy", "heavy"]],
 }
 _GAPS = {"contacts": {"1": 0.1}}
+_BY_MASS = {"mass": 0.03, "contact": {"stiffness": 1e7}}
 _FOR_SPHERES = "the contact constant of such a wall is known for spheres, of exponent 1.5, not 2"
 
 REFUSED = [
@@ -531,6 +532,32 @@ REFUSED = [
     _refused("gap: contact.force acts at a distance", contact={"force": "A*s", "A": 1, "tension": "allowed"}, gap=0.1),
     _refused("precompression: a window lets go of rows", **_LOAD, **_WINDOW),
     _refused("precompression.force: should be greater than 0", precompression={"force": 0.0}),
+    _refused("precompression: give either force or overlap (both", precompression={"force": 0.1, "overlap": 0.1}),
+    _refused("precompression: give either force or overlap (neither", precompression={}),
+    _refused("precompression.overlap: should be greater than 0, -0.1", precompression={"overlap": -0.1}),
+    _refused("precompression: 3.16e+07 times m V / T", precompression={"overlap": 1e5}),
+    _changed(
+        "overlap in mm",
+        "precompression.overlap: 1 m is 2.1e+02",
+        "1 mm is 0.001 m",
+        material=_BALL,
+        precompression="{overlap: 1}",
+    ),
+    _kinds("precompression.overlap: the contacts differ", precompression={"overlap": 0.1}, taper=0.01),
+    _refused("precompression.overlap: the force", precompression={"overlap": 0.1}, contact={"yield": {"overlap": 0.1}}),
+    _kinds("pattern: '0*light' should be the name of a kind, or N*name", pattern=["heavy", "0*light"]),
+    _kinds("pattern: '-2*light' should be the name of a kind, or N*name", pattern=["-2*light"]),
+    _kinds("pattern: '1.5*light' should be the name of a kind, or N*name", pattern=["1.5*light"]),
+    _kinds("pattern: 'light*2' should be the name of a kind, or N*name", pattern=["light*2"]),
+    _kinds("pattern: '999999999*light' makes it 1000000000 kinds long", pattern=["heavy", "999999999*light"]),
+    _kinds("pattern: 'lead' is not among the kinds (heavy, light)", pattern=["heavy", "3*lead"]),
+    _refused("mass: is in SI units, which need the constant A", mass=0.03),
+    _refused("mass: the material determines it", mass=0.03, material=_SI),
+    _refused("mass: should be greater than 0, 0", mass=0, contact={"stiffness": 1e7}),
+    _refused("mass: is in SI units, which need the constant A", mass=0.03, contact={"exponent": [1.5] * 11}),
+    _kinds(
+        "kinds.heavy.radius: beads given by `mass` have no", **_BY_MASS, kinds={"heavy": {"radius": 0.01}, "light": {}}
+    ),
     _refused("precompression: 1e+07 times m V / T", precompression={"force": 1e7}),
     _refused("precompression: 1e-17 times m V / T", precompression={"force": 1e-17}),  # its overlap is off by 1e-3
     _kinds("precompression: chains that differ are compressed", **_LOAD, **_UNLIKE_ENDS),

@@ -160,6 +160,11 @@ CASES: dict[str, dict[str, Any]] = {
     },
     "pressed": PRESSED,
     "pressed between walls": HELD,
+    "pressed to an overlap, exponent 2": {
+        "contact": {"exponent": 2.0, "strength": 1.5},
+        "precompression": {"overlap": 0.5},
+        "walls": {"left": "bead", "right": "bead"},
+    },
     "column": COLUMN,
     "unlike columns": {**COLUMN, **UNLIKE, "coupling": None},
     "damping viscoelastic, cut": {"damping": {**LOSSES["viscoelastic"], "tension": "cut"}},
@@ -267,7 +272,7 @@ def in_units(name: str, velocity: float, material: dict[str, float] | None = Non
         "coupling": {**springs, "topology": {"edges": (1, 1, unit.stiffness)}},
         "foundation": {**springs, "modulation": {"frequency": 1.0 / unit.time}},
         "walls": {side: {"stiffness": unit.force / unit.length**p} for side in ("left", "right")},
-        "precompression": {"force": unit.force},
+        "precompression": {"force": unit.force, "overlap": unit.length},
         "gravity": unit.length / unit.time**2,
         "damping": {
             "contact": losses.get(CASES[name].get("damping", {}).get("law"), dashpot),

@@ -76,6 +76,7 @@ def _draw_more(chance: random.Random, number: int | str) -> Scene:
     if which == "unequal":
         more["kinds"] = {name: {"mass": chance.uniform(0.3, 3.0), "radius": chance.uniform(0.5, 1.5)} for name in "ab"}
         more["pattern"] = chance.choice([["a", "b"], ["a", "a", "b"]])
+        more["pattern"] = _Along(number).repeated(more["pattern"])
         more |= chance.choice([{}, {"taper": 0.03}])
     if which == "push":
         place = {"chain": chance.randint(1, chains), "bead": chance.randint(1, beads)}
@@ -154,6 +155,12 @@ def _draw_lossy(chance: random.Random, number: int | str) -> Scene:
     if "precompression" in more and "exponent" not in more.get("contact", {}) and along.random() < 0.3:
         more["walls"] = {**more.get("walls", {}), "left": "matched"}
         more.pop("foundation", None)
+    brief = _Along(f"brief {number}")
+    if brief.random() < 0.5 and "kinds" not in more and "strength" not in more.get("contact", {}):
+        more |= {"precompression": {"overlap": more["precompression"]["force"]}} if "precompression" in more else {}
+    if brief.random() < 0.25 and isinstance(more.get("contact", {}).get("exponent", 1.5), float):
+        more["mass"] = brief.uniform(0.5, 2.0)
+        more["contact"] = {**more.get("contact", {}), "stiffness": brief.uniform(0.5, 2.0)}
     return Scene.model_validate({"name": f"scene-{number}", "chains": chains, "beads": beads, **more})
 
 
@@ -162,6 +169,10 @@ class _Along(random.Random):
 
     def __init__(self, number: int | str) -> None:
         super().__init__(f"along {number}")
+
+    def repeated(self, pattern: list[str]) -> list[str]:
+        """A pattern, or one with counts."""
+        return [f"{self.randint(1, 3)}*{name}" for name in pattern] if self.random() < 0.3 else pattern
 
     def gaps(self, beads: int) -> Any:
         """Gaps that differ: a list, or by numbers of contacts."""

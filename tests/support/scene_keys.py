@@ -58,7 +58,7 @@ def initial_rows(scene: Scene) -> list[tuple[int, int, float, float]]:
 
 def _units(scene: Scene, velocity: float) -> Units:
     ball, p = scene.material, exponent(scene)
-    mass, constant = 1.0, 1.0
+    mass, constant = scene.mass or 1.0, 1.0
     if ball is not None:
         mass = 4.0 / 3.0 * math.pi * ball.radius**3 * ball.density
         constant = ball.youngs_modulus * math.sqrt(2.0 * ball.radius) / (3.0 * (1.0 - ball.poisson_ratio**2))
@@ -70,7 +70,7 @@ def _units(scene: Scene, velocity: float) -> Units:
 
 def _speeds(scene: Scene) -> list[float]:
     ball = scene.material
-    mass = 1.0 if ball is None else 4.0 / 3.0 * math.pi * ball.radius**3 * ball.density
+    mass = (scene.mass or 1.0) if ball is None else 4.0 / 3.0 * math.pi * ball.radius**3 * ball.density
     speeds = [abs(velocity) for *_, velocity in [*kicks(scene), *initial_rows(scene)]]
     speeds += [_impulse(push) / mass for push in scene.push or ()]
     for drive in scene.drive or ():
@@ -137,11 +137,12 @@ def _impulse(push: Any) -> float:
     return total
 
 
-def _relative(kind: Any, ball: Any) -> tuple[float, float, float]:
+def _relative(kind: Any, scene: Scene) -> tuple[float, float, float]:
     """Mass, radius and plane modulus in those of the reference bead."""
+    ball = scene.material
     if ball is None:
         radius = kind.radius or 1.0
-        return kind.mass or radius**3, radius, kind.stiffness or 1.0
+        return kind.mass / (scene.mass or 1.0) if kind.mass else radius**3, radius, kind.stiffness or 1.0
     radius, density = kind.radius or ball.radius, kind.density or ball.density
     mass = kind.mass or 4.0 / 3.0 * math.pi * radius**3 * density
     ratio = ball.poisson_ratio if kind.poisson_ratio is None else kind.poisson_ratio
@@ -157,9 +158,9 @@ def beads_of(scene: Scene) -> tuple[Floats, Floats, Floats]:
     for chain in range(scene.chains):
         row = patterns[chain] if patterns and isinstance(patterns[0], tuple) else patterns
         for bead in range(scene.beads if row else 0):
-            found[:, chain, bead] = _relative(scene.kinds[row[bead % len(row)]], scene.material)
+            found[:, chain, bead] = _relative(scene.kinds[row[bead % len(row)]], scene)
     for change in scene.replace or ():
-        found[:, change.chain - 1, change.bead - 1] = _relative(scene.kinds[change.kind], scene.material)
+        found[:, change.chain - 1, change.bead - 1] = _relative(scene.kinds[change.kind], scene)
     if scene.taper:
         size = (1.0 - scene.taper) ** np.arange(scene.beads)
         found[0] *= size**3
@@ -171,7 +172,7 @@ def beads_of(scene: Scene) -> tuple[Floats, Floats, Floats]:
         )
         found *= np.stack([mass * radius**3, radius, modulus])
     if scene.striker is not None:
-        found[:, scene.striker.chain - 1, 0] = _relative(scene.striker, scene.material)
+        found[:, scene.striker.chain - 1, 0] = _relative(scene.striker, scene)
     return found[0], found[1], found[2]
 
 
@@ -259,7 +260,10 @@ def loads(scene: Scene, mass: Floats) -> Floats:
     """Force at rest, from before the first bead to behind the last, [chain, bead + 1]."""
     unit, found = units(scene), np.zeros((scene.chains, scene.beads + 1))
     if scene.precompression is not None:
-        found += scene.precompression.force / unit.force
+        pressed = scene.precompression
+        strength = float(along(scene)[0, 0]) if pressed.force is None else 0.0
+        force = strength * ((pressed.overlap or 0.0) / unit.length) ** exponent(scene)
+        found += force if pressed.force is None else pressed.force / unit.force
     if scene.gravity is not None and scene.gravity.settled:
         found[:, 1:] += np.cumsum(mass, axis=1) * scene.gravity.acceleration * unit.time**2 / unit.length
     return found

@@ -14,7 +14,7 @@ Examples:
 from typing import Any
 
 from analysis.quantity import Quantity, QuantityColumn
-from lammps_inputs.units import REDUCED, Label
+from lammps_inputs.units import REDUCED, Label, in_si
 from workflow.quantities.columns import MASS, column_called
 from workflow.sweep import fields
 from workflow.verdicts.places import CollectColumn, QuantityPlace
@@ -42,7 +42,7 @@ def heading(name: str, scene: dict[str, Any]) -> str:
         InputError: there is no such field or quantity.
     """
     column = _column(name)
-    unit = fields.unit(fields.parse(name, scene), scene) if column is None else column.unit(si="material" in scene)
+    unit = fields.unit(fields.parse(name, scene), scene) if column is None else column.unit(si=in_si(scene))
     return name if unit in ("", REDUCED) else f"{name} ({unit})"
 
 
@@ -60,4 +60,4 @@ def label(name: str, scene: dict[str, Any]) -> Label:
         InputError: there is no such field or quantity.
     """
     column = _column(name)
-    return fields.label(fields.parse(name, scene), scene) if column is None else column.axis(si="material" in scene)
+    return fields.label(fields.parse(name, scene), scene) if column is None else column.axis(si=in_si(scene))

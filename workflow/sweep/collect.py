@@ -28,7 +28,7 @@ from analysis.sharing.verdict import EquipartitionState
 from analysis.trajectory import Flags, Floats
 from lammps_inputs import InputError, complaints, file_names, html, strict_yaml
 from lammps_inputs.numbers import text
-from lammps_inputs.units import REDUCED, Label
+from lammps_inputs.units import REDUCED, Label, in_si
 from workflow.quantities.columns import AT_BEAD, QUANTITIES, UNCERTAINTIES, at_bead, column_called, kicked_chain
 from workflow.runs.figures import write_figure
 from workflow.runs.files import RECORD
@@ -378,7 +378,7 @@ def collect(directory: Path, at_beads: Sequence[str] = ()) -> SweepTable:
     for path, request in requests.items():
         report, record = read_json(path / REPORT), account(path).plain()
         scenes.add(str(request.scene.get("name", "")))
-        kinds.add("material" in request.scene or report.get("units") == "SI")
+        kinds.add(in_si(request.scene) or report.get("units") == "SI")
         scene = request.scene or _scene(path)
         swept = {name: request.swept.get(name, fields.look_up(scene, paths[name])) for name in names}
         state = states[path]

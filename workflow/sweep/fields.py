@@ -34,7 +34,7 @@ from lammps_inputs import InputError, Scene, complaints
 from lammps_inputs.ingredients.base import ScenePart
 from lammps_inputs.ingredients.by_formula import ByFormula
 from lammps_inputs.ingredients.registry import INGREDIENTS, SEVERAL
-from lammps_inputs.units import Label, Unit
+from lammps_inputs.units import Label, Unit, in_si
 
 _STEP = re.compile(r"([A-Za-z_][A-Za-z0-9_]*|[1-9][0-9]*)(?:\[([1-9][0-9]{0,5})\])?")
 
@@ -269,7 +269,7 @@ def unit(path: Path, scene: dict[str, Any]) -> str:
     declared = next((part for part in _parts(_field(path)) if isinstance(part, Unit)), None)
     beside = look_up(scene, path[:-1]) if len(path) > 1 else {}
     keys = {**scene, **(beside if isinstance(beside, dict) else {})}
-    return "" if declared is None else declared.symbol(keys, si="material" in scene)
+    return "" if declared is None else declared.symbol(keys, si=in_si(scene))
 
 
 def label(path: Path, scene: dict[str, Any]) -> Label:

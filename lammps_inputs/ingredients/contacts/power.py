@@ -27,7 +27,7 @@ class PowerContact(Contact):
     exponent: Annotated[Exponent, Label("contact exponent", "p")] = HERTZ
     """Exponent p."""
     stiffness: Annotated[Annotated[Positive, Unit("N/m^p")] | None, Label("contact constant", "A")] = None
-    """Constant A. Reduced units: 1 if omitted. With a material: required unless p = 1.5, where the material gives it.
+    """Constant A. Reduced units: 1 if omitted. SI units: required, unless p = 1.5 with a material, which gives it.
     """
     strength: Strength = None
 
@@ -40,7 +40,10 @@ class PowerContact(Contact):
         """Refuse units that do not fit."""
         super().refuse(setting)
         if setting.material is not None and self.of_spheres and self.stiffness is not None:
-            raise ValueError("contact.stiffness: the material determines it for contacts of exponent 1.5; leave it out")
+            raise ValueError(
+                "contact.stiffness: the material determines it for contacts of exponent 1.5; leave it out, or give the "
+                "beads' `mass` (kg) in place of the material"
+            )
         if setting.material is not None and not self.of_spheres and self.stiffness is None:
             raise ValueError(f"contact.stiffness: is missing; the force at an overlap of 1 m, in N/m^{self.exponent:g}")
 

@@ -212,7 +212,7 @@ def _fault(cell: ReportRun, directory: RunDirectory, folder: Path) -> str | None
         return f"differs from one rank by {off:.1e}"
     if cell.scaling:
         # to V = 1; beads of a material at most ten times faster, for none is kicked faster than its sound
-        factor = 1.0 / directory.scene.scale.velocity if directory.scene.material is None else 10.0
+        factor = 1.0 / directory.scene.scale.velocity if not directory.scene.scale.si else 10.0
         off = _apart(directory, library.from_plain(scaled(cell.scene, factor), "scene"), folder / "scaled", factor)
         if not off <= 6.0 * _rounding(directory.problem):  # in both runs, and frequencies are below 3
             return f"differs from the scaled run by {off:.1e}"

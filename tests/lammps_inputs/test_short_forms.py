@@ -1,0 +1,130 @@
+"""Short forms of a scene: counts in patterns, overlap in place of a load, mass and constant in place of a material."""
+
+import numpy as np
+import plain_scene
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from analysis import motion
+from lammps_inputs import library, strict_yaml
+from lammps_inputs.units import hertz_constant, sphere_mass
+from workflow.engines.reference import engine
+
+COUNTS = st.lists(st.tuples(st.sampled_from("ab"), st.integers(1, 30), st.booleans()), min_size=1, max_size=6)
+SIZES = st.floats(1e-6, 1e6)
+
+
+def scene(**changes):
+    return plain_scene.scene(**{"chains": 1, "coupling": None, **changes})
+
+
+@given(st.lists(COUNTS, min_size=1, max_size=2))
+def test_counts_in_a_pattern_give_the_scene_of_the_pattern_written_out(rows):
+    short = [[f"{count}*{name}" if brief else name for name, count, brief in row] for row in rows]
+    long = [[name for name, count, brief in row for _ in range(count if brief else 1)] for row in rows]
+    keys = {"chains": len(rows), "beads": 20, "kinds": {"a": {}, "b": {"mass": 0.5}}}
+    one, other = (scene(**keys, pattern=pattern if len(rows) > 1 else pattern[0]) for pattern in (short, long))
+    assert one == other
+    assert library.from_plain(strict_yaml.parse(strict_yaml.dump(one.plain()), "again"), "again") == one
+
+
+@settings(deadline=None, max_examples=40)
+@given(
+    overlap=st.floats(1e-3, 1.0),
+    exponent=st.floats(1.0, 3.0),
+    strength=st.sampled_from([1.0, 0.25, 3.0]),
+    stiffness=st.sampled_from([1.0, 1e7]),
+)
+def test_an_overlap_is_the_load_under_which_all_contacts_overlap_so_far(overlap, exponent, strength, stiffness):
+    """The bound is that of `static_load.FINEST` in the force, whose places are those that LAMMPS holds."""
+    contact = {"exponent": exponent, "strength": strength, "stiffness": stiffness}
+    held = scene(contact=contact, precompression={"overlap": overlap})
+    force = strength * stiffness * overlap**exponent
+    same = scene(contact=contact, precompression={"force": force})
+    (link,), (other,) = held.system.along, same.system.along
+    assert float(np.max(link.law.rest)) * held.scale.length == pytest.approx(overlap, rel=1e-4)
+    assert float(np.max(link.law.rest)) == pytest.approx(float(np.max(other.law.rest)), rel=1e-6)
+
+
+def test_an_overlap_of_steel_balls_is_that_of_the_force_by_hertz():
+    ball = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
+    force = hertz_constant(4.76e-3, 193e9, 0.3) * 1e-6**1.5
+    keys = {"material": ball, "duration": 1e-3, "output": {}}
+    one, other = (scene(**keys, precompression=load) for load in ({"overlap": 1e-6}, {"force": force}))
+    assert float(one.system.along[0].law.rest) == pytest.approx(float(other.system.along[0].law.rest), rel=1e-9)
+
+
+@settings(deadline=None, max_examples=40)
+@given(mass=SIZES, constant=SIZES, velocity=st.floats(1e-3, 1e3), exponent=st.sampled_from([1.5, 1.0, 2.5]))
+def test_beads_by_mass_and_constant_have_the_dimensionless_problem_of_beads_of_mass_1(
+    mass, constant, velocity, exponent
+):
+    """With L = (m V^2 / A)^(1 / (p + 1)) and T = L / V: the scaling is exact."""
+    length = (mass * velocity**2 / constant) ** (1.0 / (exponent + 1.0))
+    time, force = length / velocity, mass * velocity**2 / length
+    si = scene(
+        mass=mass,
+        contact={"exponent": exponent, "stiffness": constant},
+        kinds={"light": {"mass": 0.5 * mass}, "plain": {}},
+        pattern=["plain", "2*light"],
+        kick={"velocity": velocity},
+        foundation={"stiffness": 0.1 * force / length},
+        precompression={"force": 0.2 * force},
+        duration=20.0 * time,
+        timestep=0.05 * time,
+        output={"every": 0.5 * time},
+    )
+    reduced = scene(
+        contact={"exponent": exponent},
+        kinds={"light": {"mass": 0.5}, "plain": {}},
+        pattern=["plain", "2*light"],
+        foundation={"stiffness": 0.1},
+        precompression={"force": 0.2},
+        timestep=0.05,
+    )
+    assert si.scale.si
+    assert (si.scale.mass, si.scale.velocity) == (mass, velocity)
+    assert (si.scale.time, si.scale.force) == pytest.approx((time, force), rel=1e-12)
+    strain = np.linspace(0.0, 1.0, 24).reshape(1, 24)[:, :12]
+    rates = [motion.acceleration(case.system, strain) for case in (si, reduced)]
+    np.testing.assert_allclose(*rates, rtol=1e-6, atol=1e-8)
+    assert si.problem().timestep == pytest.approx(reduced.problem().timestep, rel=1e-9)
+
+
+def test_a_kick_passes_through_ten_balls_of_known_mass_and_contact_constant():
+    """Right: 0.98587 V and -0.07109 V, by DOP853 to 1e-10; in m/s, for the kick is 0.5 m/s."""
+    balls = scene(
+        beads=10,
+        mass=0.0183,
+        contact={"stiffness": 1.05e7},
+        kick={"velocity": 0.5},
+        duration=10e-3,
+        timestep=2e-6,
+        output={"every": 1e-4},
+    )
+    found = engine.run(balls.problem())
+    last = balls.scale.measured(found.velocity[-1, 0, [9, 0]], "velocity")
+    np.testing.assert_allclose(last, [0.5 * 0.98587, -0.5 * 0.07109], atol=0.5 * 2e-5)
+
+
+def test_balls_of_steel_and_their_mass_and_constant_are_the_same_problem():
+    ball = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
+    keys = {"duration": 1e-3, "output": {}, "walls": {"right": "flat"}}
+    steel = scene(material=ball, **keys)
+    mass, constant = sphere_mass(4.76e-3, 8000.0), hertz_constant(4.76e-3, 193e9, 0.3)
+    assert scene(mass=mass, contact={"stiffness": constant}, **keys).system == steel.system
+
+
+@pytest.mark.parametrize(
+    ("changes", "warning"),
+    [
+        (
+            {"contact": {"stiffness": 1.05e7}, "duration": 1.0},
+            "contact.stiffness in N/m^1.5? 1.05e+07 in reduced units",
+        ),
+        ({"contact": {"stiffness": 1.05e7}, "mass": 18.3, "duration": 1.0}, "mass in kg? 18.3 kg"),
+    ],
+)
+def test_a_mass_in_grams_and_a_constant_without_mass_are_named(changes, warning):
+    assert any(text.startswith(warning) for text in scene(output={}, **changes).unlikely)
