@@ -199,7 +199,7 @@ def _is_dashpot(kind: Any) -> bool:
 
 def _coefficient(kind: Any, key: str, setting: Setting) -> Any:
     """Dimensionless coefficient of the dashpot at an end, a number or [chain]."""
-    if isinstance(kind, Face):
+    if isinstance(kind, Face) and kind.damping is not None:
         return laws.dimensionless(Dashpot(kind.damping), setting.scale).coefficient
     mass = masses_and_strengths(setting)[0]
     return np.sqrt(_end_stiffness(key, setting) * (mass if isinstance(mass, float) else mass[:, _bead(key)]))
