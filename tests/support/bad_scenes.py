@@ -141,7 +141,7 @@ _KEYS = [
     _changed(
         "key of a part",
         "velocity:",
-        "(did you mean `striker.velocity` or `kick.velocity` or `drive.velocity`?)",
+        "(did you mean `striker.velocity` or `kick.velocity` or `drive.velocity`",
         velocity="1",
     ),
     _changed("key of a scene in a part", "kick.gap:", "(did you mean `gap`?)", kick="{velocity: 1, gap: 2}"),
@@ -469,7 +469,9 @@ REFUSED = [
     _driven("drive[1]: until: must be later than the start at 2", {"velocity": 1.0, "from": 2.0, "until": 2.0}),
     _driven("drive[1]: quantity: is missing; a table without names", {"table": [[0.0, 0.0], [1.0, 1.0]]}),
     _driven("drive.table: has 1 points; 2 to 100000 are needed", {"table": [[0.0, 1.0]], "quantity": "velocity"}),
-    _driven("drive[1].table: times must increase; 0 follows 0", {"table": [[0.0, 1.0]] * 2, "quantity": "velocity"}),
+    _driven(
+        "drive.table: times must increase; 0 follows 0", {"table": [[0.0, 1.0], [0.0, 2.0]], "quantity": "velocity"}
+    ),
     _driven("drive.table: has no motion", {"table": [[0.0, 0.0], [1.0, 0.0]], "quantity": "velocity"}),
     _driven(
         "drive[1]: table: must begin with a displacement of 0",

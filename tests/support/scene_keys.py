@@ -29,7 +29,7 @@ def units(scene: Scene) -> Units:
     if falls(scene):  # through the gap and the overlap of one bead under its weight
         unit, g, p = _units(scene, 1.0), scene.gravity.acceleration, exponent(scene)
         overlap = (unit.mass * g / unit.force) ** (1.0 / p) * unit.length
-        speeds.append(math.sqrt(2.0 * g * (scene.gap + overlap)))
+        speeds.append(math.sqrt(2.0 * g * (float(np.max(gaps(scene))) + overlap)))
     speeds.append(_released(scene, max(speeds, default=0.0) or 1.0))
     return _units(scene, max(speeds))
 
