@@ -74,7 +74,7 @@ def energy(system: System, displacement: Floats, velocity: Floats, first: int = 
     total = np.sum(kinetic_energy(system, velocity, first), axis=(-2, -1))
     if velocity.shape[-2] < physics.lines(system):
         return np.full_like(total, np.nan)
-    for link in system.links:
+    for link in system.among(system.links, first, displacement.shape[-1]):
         total += np.sum(link.energy(displacement[..., link.lines_among(system.chains), :], first), axis=(-2, -1))
     return np.asarray(total)
 
@@ -94,7 +94,8 @@ def bead_energy(system: System, displacement: Floats, velocity: Floats, first: i
         [..., chain, bead] in units of m V**2.
     """
     total = kinetic_energy(system, velocity, first)
-    for link in (*system.along, *system.ground, *system.walls):
+    links = (*system.along, *system.ground, *system.walls)
+    for link in system.among(links, first, displacement.shape[-1]):
         link.shared(total, link.energy(displacement, first))
     return total
 
@@ -163,10 +164,12 @@ def acceleration(
         [..., line, bead] in units of V / T.
     """
     result = np.zeros_like(displacement)
-    for link in (system if time is None else physics.at(system, time)).links:
+    links = (system if time is None else physics.at(system, time)).links
+    for link in system.among(links, first, displacement.shape[-1]):
         lines = link.lines_among(system.chains)
         link.drive(result[..., lines, :], link.force(displacement[..., lines, :], first))
-    for damper in system.dampers if velocity is not None else ():
+    dampers = system.dampers if velocity is not None else ()
+    for damper in system.among(dampers, first, displacement.shape[-1]):
         assert velocity is not None
         lines = damper.lines_among(system.chains)
         force = damper.damping(displacement[..., lines, :], velocity[..., lines, :], first)

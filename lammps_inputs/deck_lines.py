@@ -163,7 +163,7 @@ class DeckLines:
         coefficients: coefficients of every type of bond, in the order of the types.
         types: types of the atoms, where contacts differ; else recorded beads are of type 2 and others of type 1.
         beside: a second pair style with its arguments, and the lines that give its coefficients.
-        heavier: variable that holds the increase of the masses over half a time step.
+        heavier: formula of the increase of the masses over half a time step.
         damped: whether the dashpots of contacts are in the lines of these.
         numbers: numbers of every bead, [chain, bead], in the data file, by their names in LAMMPS.
     """

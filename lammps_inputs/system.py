@@ -10,6 +10,7 @@ What follows from a system is in `lammps_inputs.physics`; where LAMMPS has its b
 | V                  | largest of the excitations | L / T; 1 by construction |
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -151,6 +152,17 @@ class System:
     def ties(self) -> tuple[Links, ...]:
         """The links across that tie further lines of atoms."""
         return tuple(link for link in self.across if self.is_tie(link))
+
+    def among(self, links: Iterable[Links], first: int, width: int) -> tuple[Links, ...]:
+        """Those of some links that an array of consecutive beads holds: all but walls at beads that it does not.
+
+        Args:
+            links: links of the system.
+            first: number of the first of these beads.
+            width: number of beads.
+        """
+        at_wall = {-1.0: 1, 1.0: self.beads}
+        return tuple(x for x in links if x.kind != "wall" or first <= at_wall[x.side] < first + width)
 
     def on(self, rows: NDArray[np.int64]) -> "System":
         """The system at chosen rows, [row] counted from 0; kicks, loads and motions keep the numbers of their beads."""

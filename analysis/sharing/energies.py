@@ -370,7 +370,8 @@ class ShareMeter(Meter[tuple[Integers, Floats], EnergyShares]):
         kinetic = motion.kinetic_energy(system, v, first)
         contacts = motion.contact_energy(system, x, first)
         total = np.sum(kinetic, axis=-1) + np.sum(contacts, axis=-1)
-        for link in (*system.couplings, *system.ground, *system.walls):
+        links = (*system.couplings, *system.ground, *system.walls)
+        for link in system.among(links, first, x.shape[-1]):
             link.add_chain_energy(total, link.energy(x, first))
         energies = np.zeros((3, 1 + len(peaks), *total.shape[1:]))
         energies[:, 0] = total

@@ -272,7 +272,7 @@ def _mass_lines(problem: Problem) -> list[str]:
     heavier, group = [lines.heavier for lines in spelling(problem) if lines.heavier is not None], problem.layout.group
     if heavier:
         mass = "1.0" if isinstance(problem.system.mass, float) else "mass"
-        half = "".join(f"+0.5*v_timestep*v_{name}" for name in heavier)
+        half = "".join(f"+0.5*v_timestep*{drag}" for drag in heavier)
         return [
             "# masses increased by half of drag times time step: the step is of order 2 with drag",
             f"variable heavier atom {mass}{half}",

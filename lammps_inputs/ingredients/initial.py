@@ -120,11 +120,11 @@ class Initial(Ingredient):
             return value
         if not value:
             raise ValueError("has no rows")
-        seen: set[tuple[int, int]] = set()
+        named: set[tuple[int, int]] = set()
         for chain, bead, *_ in value:
-            if (chain, bead) in seen:
+            if (chain, bead) in named:
                 raise ValueError(f"names bead {bead} of chain {chain} twice; give one row for each bead")
-            seen.add((chain, bead))
+            named.add((chain, bead))
         return value
 
     @field_serializer("table", when_used="json-unless-none")
@@ -135,9 +135,9 @@ class Initial(Ingredient):
 
     @model_validator(mode="after")
     def _bead_or_table(self) -> Self:
-        given = [key for key in ("bead", "displacement", "velocity") if getattr(self, key) is not None]
-        if self.table is not None and given:
-            raise ValueError(f"{given[0]}: give either a table or one bead (both are given)")
+        beside = [key for key in ("bead", "displacement", "velocity") if getattr(self, key) is not None]
+        if self.table is not None and beside:
+            raise ValueError(f"{beside[0]}: give either a table or one bead (both are given)")
         if self.run is not None and (self.table is None or digest_of(self.table) != self.run.sha256):
             raise ValueError("run: the rows of `table` are not those of the run, by their checksum; name the run again")
         if self.table is None and self.bead is None:
@@ -207,7 +207,7 @@ class Initial(Ingredient):
         return physics.released_speed(system)
 
     def start(self, setting: Setting) -> NDArray[np.float64]:
-        """The rows, dimensionless."""
+        """Rows of beads, [row, (chain, bead, displacement, velocity)], dimensionless."""
         return np.array(self.rows) / [1.0, 1.0, setting.scale.length, setting.scale.velocity]
 
 

@@ -281,7 +281,7 @@ class Drive(OnBead):
     def _of_a_motion(self) -> Self:
         if self.velocity is not None and abs(self.velocity) < _LEAST:
             raise ValueError(f"velocity: a piston needs a velocity (at least {_LEAST:g}) ({self.velocity:g} given)")
-        begin = getattr(self, "from") or 0.0
+        begin = self._begin
         if self.until is not None and not self.until > begin:
             raise ValueError(f"until: must be later than the start at {begin:g} ({self.until:g} given)")
         if self.table is not None and self.quantity == "displacement" and self.table[0][1] != 0.0:
@@ -291,6 +291,11 @@ class Drive(OnBead):
                 f"{displacement:g} at time {time:g}"
             )
         return self
+
+    @property
+    def _begin(self) -> float:
+        """Time of the start of a piston."""
+        return getattr(self, "from") or 0.0
 
     @property
     def _prescribes(self) -> str:
@@ -346,8 +351,8 @@ class Drive(OnBead):
         if self.displacement is not None:
             return in_time.Oscillation(self.displacement / length, self._omega * time, math.radians(self.phase))
         if self.velocity is not None:
-            begin, end = getattr(self, "from") or 0.0, math.inf if self.until is None else self.until
-            return in_time.constant_velocity(self.velocity * time / length, begin / time, end / time)
+            end = math.inf if self.until is None else self.until
+            return in_time.constant_velocity(self.velocity * time / length, self._begin / time, end / time)
         points: NDArray[np.float64] = np.array(self.table)
         if self.quantity == "velocity":
             return in_time.of_velocity(points[:, 0] / time, points[:, 1] * (time / length))

@@ -138,7 +138,7 @@ class Gravity(_Load):
             return
         super().refuse(setting)
         walls = setting.part("walls")
-        if walls is None or walls.right is None:
+        if walls is None or not any(link.side > 0.0 for link in walls.links(setting)):
             raise ValueError("gravity: nothing holds the column; give `walls: {right: flat}` or another wall there")
 
     def refuse_system(self, setting: Setting, system: System) -> None:

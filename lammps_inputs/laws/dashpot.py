@@ -105,10 +105,24 @@ class Dashpot(DashpotLaw):
         With masses larger by half of what a step of the drag takes, LAMMPS's step is that of the drag of the mean of
         the velocities before and after, which is of order 2. The deck does that where nothing else spoils the order.
         """
+        if np.ndim(self.coefficient):
+            return self._of_some(name, layout)
         return DeckLines(
-            variables=(f"variable {name} index {text(float(np.max(self.coefficient)))}   # force per velocity",),
+            variables=(f"variable {name} index {text(float(self.coefficient))}   # force per velocity",),
             motion=(f"fix {name} {layout.group} viscous ${{{name}}}",),
-            heavier=name if layout.velocity_at_full_steps else None,
+            heavier=f"v_{name}" if layout.velocity_at_full_steps else None,
+        )
+
+    def _of_some(self, name: str, layout: BeadLayout) -> DeckLines:
+        """A drag on the beads that have one, in groups of one coefficient."""
+        lines, heavier = [], []
+        for number, ((coefficient,), atoms) in enumerate(atoms_by_value(name, self, (layout.chains, layout.beads)), 1):
+            group, value = f"{name}{number}", text(coefficient)
+            lines += [f"group {group} id {atoms}", f"fix {group} {group} viscous {value}"]
+            for first, last in (ids.split(":") for ids in atoms.split()):
+                heavier.append(f"{value}*(id>={first})*(id<={last})")
+        return DeckLines(
+            motion=tuple(lines), heavier=f"({'+'.join(heavier)})" if layout.velocity_at_full_steps else None
         )
 
     def across(self, link: LinksAcross, layout: BeadLayout) -> DeckLines:

@@ -109,3 +109,25 @@ def test_the_participation_number_is_one_over_the_sum_of_squared_shares_of_the_b
     assert motion.participation(np.array([[0.0, 2.0, 2.0], [2.0, 0.0, 2.0]])) == pytest.approx(4.0, rel=1e-14)
     assert motion.participation(np.array([3.0, 1.0])) == pytest.approx(1.6, rel=1e-14)
     assert np.isnan(motion.participation(np.zeros(3)))
+
+
+@pytest.mark.parametrize(("first", "last"), [(1, 4), (4, 7), (6, 9), (1, 9)])
+def test_a_part_of_a_chain_has_the_walls_of_its_beads_alone(first, last):
+    walled = problem(walls={"left": "bead", "right": "rigid"}, damping={"contact": 0.3})
+    plain = problem(damping={"contact": 0.3})
+    state, part = random_state(walled), (Ellipsis, slice(first - 1, last))
+    x, v = 2.0 * state.displacement, state.velocity
+    at_walls = [np.zeros_like(x[0]), np.zeros_like(x[0])]
+    for each, sign in ((walled.system, 1.0), (plain.system, -1.0)):
+        at_walls[0] += sign * motion.acceleration(each, x, velocity=v)[0]
+        at_walls[1] += sign * motion.bead_energy(each, x, v)[0]
+    found = [np.zeros_like(x[0][part]), np.zeros_like(x[0][part])]
+    energy = 0.0
+    for each, sign in ((walled.system, 1.0), (plain.system, -1.0)):
+        found[0] += sign * motion.acceleration(each, x[part], first, velocity=v[part])[0]
+        found[1] += sign * motion.bead_energy(each, x[part], v[part], first)[0]
+        energy += sign * float(motion.energy(each, x[part], v[part], first)[0])
+    for of_part, whole in zip(found, at_walls, strict=True):
+        np.testing.assert_allclose(of_part, whole[part], atol=1e-14)
+        assert np.any(whole[:, [0, -1]] != 0.0)
+    assert energy == pytest.approx(float(at_walls[1][part].sum()), abs=1e-14)

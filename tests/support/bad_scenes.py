@@ -141,7 +141,7 @@ _KEYS = [
     _changed(
         "key of a part",
         "velocity:",
-        "(did you mean `striker.velocity` or `kick.velocity` or `drive.velocity`?)",
+        "(did you mean `striker.velocity` or `kick.velocity` or `drive.velocity`",
         velocity="1",
     ),
     _changed("key of a scene in a part", "kick.gap:", "(did you mean `gap`?)", kick="{velocity: 1, gap: 2}"),
@@ -470,7 +470,9 @@ REFUSED = [
     _driven("drive[1]: until: must be later than the start at 2", {"velocity": 1.0, "from": 2.0, "until": 2.0}),
     _driven("drive[1]: quantity: is missing; a table without names", {"table": [[0.0, 0.0], [1.0, 1.0]]}),
     _driven("drive.table: has 1 points; 2 to 100000 are needed", {"table": [[0.0, 1.0]], "quantity": "velocity"}),
-    _driven("drive[1].table: times must increase; 0 follows 0", {"table": [[0.0, 1.0]] * 2, "quantity": "velocity"}),
+    _driven(
+        "drive.table: times must increase; 0 follows 0", {"table": [[0.0, 1.0], [0.0, 2.0]], "quantity": "velocity"}
+    ),
     _driven("drive.table: has no motion", {"table": [[0.0, 0.0], [1.0, 0.0]], "quantity": "velocity"}),
     _driven(
         "drive[1]: table: must begin with a displacement of 0",
@@ -559,6 +561,11 @@ REFUSED = [
     _refused("precompression: 1e+07 times m V / T", precompression={"force": 1e7}),
     _refused("precompression: 1e-17 times m V / T", precompression={"force": 1e-17}),  # its overlap is off by 1e-3
     _kinds("precompression: chains that differ are compressed", **_LOAD, **_UNLIKE_ENDS),
+    _walled(".right: matched is sqrt(k m), and contacts that just touch", {"right": "matched"}),
+    _walled(".left: matched is sqrt(k m) of beads alone", {"left": "matched"}, foundation={"stiffness": 1.0}),
+    _walled(".right: give one of stiffness, material and damping", {"right": {"stiffness": 1.0, "damping": 1.0}}),
+    _walled(".right: 1e+04 in dimensionless units", {"right": {"damping": 1e4}}),
+    _refused("gravity: nothing holds the column", walls={"right": {"damping": 1.0}}, gravity=0.1),
     _refused("gravity: nothing holds the column", gravity=0.1),
     _refused("gravity: nothing holds the column", walls={"left": "flat"}, gravity=0.1),
     _refused("gravity.acceleration: should be greater than 0, -0.1 given", gravity=-0.1),
@@ -683,7 +690,7 @@ REFUSED = [
     _walled(": name left, right or both", {}),
     _walled(".right: should be 'bead', 'flat' or 'rigid', or hold pairs, `{stiffness, material}`", {"right": "soft"}),
     _walled(".right.material: is in SI units", {"right": {"material": "steel"}}),
-    _walled(".right: give either stiffness or material", {"right": {}}),
+    _walled(".right: give one of stiffness, material and damping", {"right": {}}),
     _walled(f".right: {_FOR_SPHERES}", {"right": "flat"}, **_SQUARE),
     _walled(f".left: {_FOR_SPHERES}", {"left": "rigid"}, **_SQUARE),
     _walled(".right.stiffness: should be greater than 0, 0.0 given", {"right": {"stiffness": 0.0}}),

@@ -111,6 +111,13 @@ CASES: dict[str, dict[str, Any]] = {
     "foundation by chain": {"foundation": {"stiffness": [0.5, 0.2], "cubic": 0.3}},
     "wall on the left": {"walls": {"left": "flat"}, "kick": {"bead": 3, "velocity": -1.0}},
     "walls": WALLS,
+    "dashpots at the ends of a dimer": {**DIMER, "walls": {"left": {"damping": 0.4}, "right": {"damping": 0.2}}},
+    "matched end of a column": {**COLUMN, "walls": {"left": "matched", "right": "flat"}},
+    "matched ends, damped, driven, pressed": {
+        **PRESSED,
+        "walls": {"left": "matched", "right": {"damping": 0.3}},
+        "damping": {"contact": 0.02, "beads": 0.1},
+    },
     "dimer": DIMER,
     "dimer of sizes": SIZES,
     "another pattern in each chain": {**DIMER, "pattern": [["heavy", "light"], ["light", "heavy", "heavy"]]},

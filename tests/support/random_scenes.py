@@ -90,6 +90,8 @@ def _draw_more(chance: random.Random, number: int | str) -> Scene:
     more |= {"gap": chance.choice([0.0, 0.0, chance.uniform(0.1, 3.0)]), "duration": chance.uniform(15.0, 60.0)}
     along = _Along(number)  # leaves all else as it was drawn
     more |= {"gap": along.gaps(beads)} if more["gap"] and along.random() < 0.4 else {}
+    if "walls" in more and along.random() < 0.3:
+        more["walls"]["right"] = {"damping": 10.0 ** along.uniform(-1.0, 0.5)}
     more |= {"scheme": chance.choice([None, None, "suzuki4"]), "output": output, "kick": kicks}
     return Scene.model_validate({"name": f"scene-{number}", "chains": chains, "beads": beads, **more})
 
@@ -150,6 +152,9 @@ def _draw_lossy(chance: random.Random, number: int | str) -> Scene:
         more["contact"] = {"strength" if one else "exponent": along.profile()}
     if along.random() < 0.3:
         more["initial"] = _initial(along, chains, beads)
+    if "precompression" in more and "exponent" not in more.get("contact", {}) and along.random() < 0.3:
+        more["walls"] = {**more.get("walls", {}), "left": "matched"}
+        more.pop("foundation", None)
     brief = _Along(f"brief {number}")
     if brief.random() < 0.5 and "kinds" not in more and "strength" not in more.get("contact", {}):
         more |= {"precompression": {"overlap": more["precompression"]["force"]}} if "precompression" in more else {}

@@ -29,7 +29,7 @@ def units(scene: Scene) -> Units:
     if falls(scene):  # through the gap and the overlap of one bead under its weight
         unit, g, p = _units(scene, 1.0), scene.gravity.acceleration, exponent(scene)
         overlap = (unit.mass * g / unit.force) ** (1.0 / p) * unit.length
-        speeds.append(math.sqrt(2.0 * g * (scene.gap + overlap)))
+        speeds.append(math.sqrt(2.0 * g * (float(np.max(gaps(scene))) + overlap)))
     speeds.append(_released(scene, max(speeds, default=0.0) or 1.0))
     return _units(scene, max(speeds))
 
@@ -293,7 +293,7 @@ def _walls(scene: Scene, mass: Floats, load: Floats, loss: tuple[Any, float]) ->
     found = []
     for bead, side, name in ((0, -1.0, "left"), (scene.beads - 1, 1.0, "right")):
         face = getattr(scene.walls, name) if scene.walls is not None else None
-        if face is None:
+        if face is None or face == "matched" or getattr(face, "damping", None):
             continue
         if isinstance(face, str):
             strength = FACES[face] * modulus[:, bead] * np.sqrt(radius[:, bead])
@@ -309,6 +309,18 @@ def _walls(scene: Scene, mass: Floats, load: Floats, loss: tuple[Any, float]) ->
                 lost = _alpha(scene.damping.contact, p) * np.sqrt(mass[:, bead] * strength)
         found.append(Wall(bead, side, strength, rest, lost))
     return found
+
+
+def _quiet_ends(scene: Scene, mass: Floats, stiffness: Floats) -> Floats:
+    """Coefficients of dashpots at the ends, [chain, bead], from the stiffness of contacts at rest, [chain, contact]."""
+    drag, unit = np.zeros_like(mass), units(scene)
+    for bead, name in ((0, "left"), (-1, "right")):
+        end = getattr(scene.walls, name) if scene.walls is not None else None
+        if end == "matched":
+            drag[:, bead] = np.sqrt(stiffness[:, bead] * mass[:, bead])
+        elif getattr(end, "damping", None):
+            drag[:, bead] = end.damping / (unit.force / unit.velocity)
+    return drag
 
 
 def _pushes(scene: Scene, unit: Units) -> list[Push]:
@@ -444,20 +456,22 @@ def nature(scene: Scene) -> Nature:
         k, stiffness, bends = _bedded(scene, there / unit.stiffness)
         ground = (k, c * unit.length**2 / unit.stiffness * there)
     damping, dashpot = scene.damping, unit.force / unit.velocity
+    rest = (load[:, 1:-1] / strength) ** (1.0 / powers)
+    quiet = _quiet_ends(scene, mass, powers * strength * rest ** (powers - 1.0))
     own = Nature(
         exponent=powers,
         gap=gaps(scene) / unit.length,
         wall_gap=scene.gap / unit.length if isinstance(scene.gap, float) else 0.0,
         mass=mass,
         strength=strength,
-        rest=(load[:, 1:-1] / strength) ** (1.0 / powers),
+        rest=rest,
         hold=hold,
         springs=springs(scene),
         ground=ground,
         walls=walls,
         loss=loss,
         cut=damping is not None and damping.tension == "cut",
-        drag=(damping.beads or 0.0) / dashpot if damping is not None else 0.0,
+        drag=quiet + ((damping.beads or 0.0) / dashpot if damping is not None else 0.0),
         drag_across=(damping.coupling or 0.0) / dashpot if damping is not None else 0.0,
         pushes=_pushes(scene, unit),
         moved=moved,

@@ -162,7 +162,7 @@ class Nature:
         x, p = self.displaced, self.exponent
         stored = [_stored(self.overlap(x), self.rest, self.strength, p, self.formulas.get("contact"))]
         for wall in self.walls:
-            overlap = wall.rest + wall.side * x[..., wall.bead] - self.gap
+            overlap = wall.rest + wall.side * x[..., wall.bead] - self.wall_gap
             stored.append(_stored(overlap, wall.rest, wall.strength, p, self.formulas.get("contact")))
         for one, other, stiffness, cubic in self.springs:
             apart = x[other] - x[one]

@@ -107,10 +107,10 @@ def _calibrations(text: str | None, option: str, example: str, *, free: bool) ->
     Raises:
         InputError: it is no such list.
     """
-    given: dict[str, Given] = {}
+    values: dict[str, Given] = {}
     for name, value in ({} if text is None else _pairs(text, option, example)).items():
-        given[name] = "free" if free and value == FREE else number(value, option, example)
-    return given
+        values[name] = "free" if free and value == FREE else number(value, option, example)
+    return values
 
 
 def trace_words(arguments: argparse.Namespace) -> list[str]:
@@ -122,8 +122,8 @@ def trace_words(arguments: argparse.Namespace) -> list[str]:
     Returns:
         Words such as ``--skip=5``.
     """
-    given = {name: getattr(arguments, name) for name in ("columns", "skip", "gain", "baseline")}
-    return [f"--{name}={value}" for name, value in given.items() if value is not None]
+    values = {name: getattr(arguments, name) for name in ("columns", "skip", "gain", "baseline")}
+    return [f"--{name}={value}" for name, value in values.items() if value is not None]
 
 
 def _pairs(text: str, option: str, example: str) -> dict[str, str]:

@@ -173,6 +173,24 @@ def _loaded(path: Path, problem: Problem, deck: DeckAtoms | None, *, dimensionle
     return loaded
 
 
+def _beads_of(path: Path, measured: traces.Traces, problem: Problem, *, dimensionless: bool) -> tuple[int, ...]:
+    """Beads whose motion traces show.
+
+    Raises:
+        InputError: the run did not record one of them, or the traces are of other things or units.
+    """
+    if measured.signals:
+        raise InputError(f"{path}: its gain or baseline is to be estimated, which `granchain fit` does; give a number")
+    if measured.units and (dimensionless or not problem.scale.si):
+        raise InputError(f"{path}: names units, but is to be in others (the scene has no material, or --units)")
+    channels.check(path, measured.channels, problem)
+    beads = channels.beads_of(measured.channels, problem)
+    missing = sorted(set(beads) - set(problem.rows.numbers.tolist()))
+    if problem.rows.follow or missing:
+        raise InputError(f"{path}: needs the motion of bead {(missing or beads)[0]}, which the run did not record")
+    return beads
+
+
 def validate_traces(
     directory: RunDirectory,
     file: Path | traces.TraceFile,
@@ -196,16 +214,8 @@ def validate_traces(
     limits = {**TOLERANCES, **(tolerances or {})}
     path = file if isinstance(file, Path) else file.path
     problem, measured = directory.problem, traces.load(file)
-    if measured.signals:
-        raise InputError(f"{path}: its gain or baseline is to be estimated, which `granchain fit` does; give a number")
+    beads = _beads_of(path, measured, problem, dimensionless=dimensionless)
     measured = replace(measured, time=measured.time - offset)
-    if measured.units and (dimensionless or not problem.scale.si):
-        raise InputError(f"{path}: names units, but is to be in others (the scene has no material, or --units)")
-    channels.check(path, measured.channels, problem)
-    beads = channels.beads_of(measured.channels, problem)
-    missing = sorted(set(beads) - set(problem.rows.numbers.tolist()))
-    if problem.rows.follow or missing:
-        raise InputError(f"{path}: needs the motion of bead {(missing or beads)[0]}, which the run did not record")
     worth = np.array([getattr(problem.scale, channel.quantity) for channel in measured.channels])
     if dimensionless:
         measured = replace(measured, time=measured.time * problem.scale.time, values=measured.values * worth)

@@ -66,7 +66,7 @@ class FormulaContact(Contact, ByFormula):
     def _refuse_rest(self, rest: float, setting: Setting) -> None:
         """Refuse a force at rest that nothing holds, and other loads beside it."""
         walls = setting.part("walls")
-        if walls is None or None in (walls.left, walls.right):
+        if walls is None or len(walls.links(setting)) < 2:
             raise ValueError(
                 f"contact.force: pushes neighbours apart with {rest:.6g} at rest, and nothing holds the beads at "
                 "the ends; give `walls: {left: bead, right: bead}`"

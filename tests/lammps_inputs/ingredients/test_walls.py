@@ -148,3 +148,75 @@ def test_forces_are_written_in_newtons(tmp_path, capsys):
     metres = np.maximum(bead, 0.0) * case.scale.length
     np.testing.assert_allclose(wall, constant * metres**1.5, rtol=1e-12)
     assert "forces.csv" in capsys.readouterr().out
+
+
+ABSORBING = {"matched": ("matched", 1.0), "soft": ({"damping": 0.5}, 0.25), "hard": ({"damping": 6.0}, 3.0)}
+"""Ends of a bar with Z = sqrt(k m) = 2, and c / Z."""
+
+
+@pytest.mark.parametrize("end", ABSORBING)
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_dashpot_at_the_end_of_a_bonded_bar_reflects_what_is_exact_for_waves_of_any_length(end, side):
+    """R = (e^(-iq/2) - c/Z) / (e^(iq/2) + c/Z) for q radians a bead, from m u'' = k (u_N-1 - u_N) - c u'."""
+    kind, g = ABSORBING[end]
+    beads, middle = 160, 80
+    moments = np.arange(41.0)
+    table = np.stack([moments, 1e-3 * np.exp(-0.5 * ((moments - 20.0) / 3.0) ** 2)], axis=1)
+    table[[0, -1], 1] = 0.0
+    case = library.from_plain(
+        {
+            "name": "bar",
+            "beads": beads,
+            "contact": {"force": "k*s", "k": 4, "tension": "allowed"},
+            "walls": {side: kind},
+            "push": {"bead": 1 if side == "right" else beads, "table": table.tolist()},
+            "duration": 175.0,
+            "output": {"every": 0.125},
+        },
+        "",
+    )
+    motion = engine.run(case.problem(), steps_per_frame=8)
+    time = motion.time * case.scale.time
+    velocity = motion.velocity[0:, 0, middle - 1 if side == "right" else beads - middle]
+    omega = np.array([0.1, 0.2, 0.4, 0.6, 0.8])  # of at most 2 sqrt(k / m) = 4
+    q = 2.0 * np.arcsin(omega / 4.0)
+    waves = np.exp(-1j * omega[:, np.newaxis] * time)
+    came, left = (np.sum(waves * velocity * now, axis=1) for now in (time < 100.0, time >= 100.0))
+    exact = (np.exp(-0.5j * q) - g) / (np.exp(0.5j * q) + g) * np.exp(-2j * q * (beads - middle))
+    np.testing.assert_allclose(left / came, exact, atol=1e-8)
+    if end == "matched":
+        np.testing.assert_allclose(np.abs(exact), np.tan(q / 4.0), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "stiffness"),
+    [
+        ({"precompression": {"force": 0.3}}, 1.5 * 0.3 ** (1.0 / 3.0)),
+        ({"precompression": {"force": 0.3}, "contact": {"exponent": 2.0}}, 2.0 * 0.3**0.5),
+        ({"contact": {"exponent": 1.0}}, 1.0),
+        ({"contact": {"force": "a*s+b*s^3", "a": 0.7, "b": 1.0, "tension": "allowed"}}, 0.7),
+    ],
+    ids=["Hertz", "exponent 2", "exponent 1", "formula"],
+)
+def test_matched_is_the_root_of_stiffness_at_rest_times_mass_of_the_last_bead(changes, stiffness):
+    heavy = {"kinds": {"heavy": {"mass": 3.0, "radius": 1.0}}, "replace": {"bead": 20, "kind": "heavy"}}
+    case = walled({"right": "matched"}, chains=1, beads=20, coupling=None, **changes, **heavy)
+    [damper] = case.problem().system.dampers
+    unit = case.scale.force / case.scale.velocity
+    assert damper.law.coefficient[0, -1] * unit == pytest.approx(math.sqrt(3.0 * stiffness), rel=1e-12)
+    assert not np.any(damper.law.coefficient[:, :-1])
+
+
+@pytest.mark.slow
+def test_what_a_matched_end_takes_is_all_the_energy_of_a_long_push(tmp_path):
+    """LAMMPS: of a push of 20 T in a loaded chain a share below 1e-2 is left, and the balance is closed."""
+    push = {"peak": 0.01, "duration": 20.0, "shape": "half-sine"}
+    case = walled(
+        {"right": "matched"}, chains=1, beads=50, coupling=None, kick=None, push=push, precompression={"force": 1.0},
+        duration=120.0,
+    )  # fmt: skip
+    found = run(case, tmp_path / "run")
+    account = analyse(found.directory, figures=False).measurements["budget"].values
+    taken = account.losses["dissipated in right end"][-1]
+    assert taken / account.energy_input[-1] == pytest.approx(1.0, abs=1e-2)
+    assert account.closed < 1e-4

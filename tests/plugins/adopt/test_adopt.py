@@ -114,8 +114,18 @@ LOADED = {
 }
 
 
+GAPPED = {
+    "name": "gapped",
+    "beads": 6,
+    "gap": [0.3, 0.1, 0.0, 0.5, 0.2],
+    "kick": {"velocity": 1},
+    "duration": 10,
+    "timestep": 0.01,
+}
+
+
 @pytest.mark.usefixtures("here")
-@pytest.mark.parametrize("data", [SPRINGS, LOADED], ids=["springs", "loaded"])
+@pytest.mark.parametrize("data", [SPRINGS, LOADED, GAPPED], ids=["springs", "loaded", "gapped"])
 def test_a_scene_comes_back_from_its_deck(data: dict[str, Any], tmp_path: Path) -> None:
     scene = library.from_plain(data, "test")
     read = of_scene(scene, tmp_path / "deck")
@@ -125,6 +135,7 @@ def test_a_scene_comes_back_from_its_deck(data: dict[str, Any], tmp_path: Path) 
     np.testing.assert_allclose(again.system.mass, problem.system.mass, rtol=1e-9)
     for link, other in zip(problem.system.links, again.system.links, strict=True):
         assert type(link.law) is type(other.law)
+        np.testing.assert_allclose(other.gap, link.gap, rtol=1e-7, atol=1e-9)
         for value, other_value in zip(link.law, other.law, strict=True):
             expected, actual = np.broadcast_arrays(np.asarray(value, float), np.asarray(other_value, float))
             np.testing.assert_allclose(actual, expected, rtol=1e-7, atol=1e-9)
@@ -204,6 +215,9 @@ timestep 0.001
 """
 
 
+WALL = "fix w all wall/gran granular hertz 100 0 tangential linear_history 0 0 0 damping velocity xplane NULL 3"
+
+
 @pytest.mark.parametrize(
     ("lines", "message"),
     [
@@ -212,7 +226,7 @@ timestep 0.001
         ("fix weight all gravity 1 vector 0 0 -1\nrun 10", "a force across the chain"),
         ("set atom 2 vy 0.1\nrun 10", "velocities across"),
         ("set atom 1 vx 0\nrun 10", "no bead moves"),
-        ("set atom 3 x 2.5\nrun 10", "clear distances between beads differ"),
+        (f"set atom 3 x 2.5\n{WALL}\nrun 10", "clear distances between beads differ"),
         ("variable f equal sin(step)\nfix push all addforce v_f 0 0\nrun 10", "depends on the time"),
         ("run 10\nset atom 1 vx 1\nrun 10", "comes after the first run"),
         ("variable f atom x^2\nfix push all addforce v_f 0 0\nrun 10", "in.chain:19: fix push"),

@@ -444,10 +444,10 @@ class _Writer:
         loops, others = self._other_forces()
         return self._lines(template.KICK, loops=loops, others=others, target=target, factor=factor)
 
-    def _other_forces(self, *, with_walls: bool = False) -> tuple[list[str], str]:
+    def _other_forces(self) -> tuple[list[str], str]:
         """Forces that drive beads back, across and to the ground."""
         lines, across = self._sum(self._terms.across, "force")
-        more, ground = self._sum((*self._terms.ground, *self._terms.walls * with_walls), "force")
+        more, ground = self._sum(self._terms.ground, "force")
         return lines + more, "".join(f" - ({total})" for total in (across, ground) if total)
 
     # --- tangent flow -------------------------------------------------------------------------------------------------
@@ -493,8 +493,15 @@ class _Writer:
 
     def _shifted_functions(self) -> list[str]:
         """Functions that add effects of shifted parameters, which are entries of arrays."""
-        loops, others = self._other_forces(with_walls=True)
-        kick = self._filled(template.SHIFTED_KICK, _OF_SIDE, contact=self._contact_force(), loops=loops, others=others)
+        loops, others = self._other_forces()
+        walls = self._of_walls(self._terms.walls, "pulls", "force")
+        forces: dict[str, str | list[str]] = {
+            "contact": self._contact_force(),
+            "walls": walls,
+            "loops": loops,
+            "others": others,
+        }
+        kick = self._filled(template.SHIFTED_KICK, _OF_SIDE, **forces)
         sections = [kick]
         if self._terms.dashpots == "drift":
             sections += [

@@ -289,7 +289,7 @@ def _inverse_mass(system: System, step: float) -> Floats | None:
     """One over the masses, 0 of beads whose motion is given; None where all are 1. With a step, as in LAMMPS."""
     mass = physics.masses(system, absent=np.inf)
     if step:
-        more = sum(float(np.max(dashpot.resistance(link.law, 0.0))) for link in system.dampers)
+        more = sum(dashpot.resistance(link.law, 0.0) for link in system.dampers)
         mass = np.array(np.broadcast_to(mass, (physics.lines(system), system.beads)))
         mass[: system.chains] += 0.5 * step * more
     if isinstance(mass, float) and not system.motions:

@@ -389,6 +389,7 @@ def shifted_kick(dv, x, q, s, factor, time, differs, pulls, low, high):
     if differs[0]:
         for k in range(low + {row}, high):
             pulls[k] = {contact}
+        {walls}
         for k in range(low, high):
             dv[k] += factor * ((pulls[k] - pulls[k + {row}]){per_mass})
     if differs[1]:

@@ -177,15 +177,18 @@ class SceneKeys:
         overlap, least = self.measured.overlap, NEGLIGIBLE * self.scale.length
         if np.max(np.abs(overlap)) < least or np.max(overlap) > least:
             return {}
-        if np.ptp(overlap) > least:
+        if not np.ptp(overlap) > least:
+            return {"gap": tidy(-float(np.mean(overlap)))}
+        if self.measured.walls or self.measured.other_walls:
             raise NotMeasuredError(
                 f"the clear distances between beads differ ({-np.max(overlap):.6g} to {-np.min(overlap):.6g}); "
-                "supported: one `gap` of all",
+                "supported beside walls: one `gap` of all",
                 "create_atoms",
                 "read_data",
                 "set",
             )
-        return {"gap": tidy(-float(np.mean(overlap)))}
+        gaps = [[tidy(-value) if -value > least else 0.0 for value in row] for row in overlap.tolist()]
+        return {"gap": gaps[0] if all(row == gaps[0] for row in gaps) else gaps}
 
     def _material(self) -> dict[str, Any]:
         if not self.si:

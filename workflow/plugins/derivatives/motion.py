@@ -243,8 +243,8 @@ def _shift_arrays(
     if not all(_alike((terms, parameters), other, problem.duration) for other in made):
         raise InputError("no derivative: a small change of the number changes the form of the equations of motion")
     groups = [
-        terms.contacts,
-        (*terms.across, *terms.ground, *terms.walls),
+        (*terms.contacts, *terms.walls),
+        (*terms.across, *terms.ground),
         tuple(itertools.chain(*terms.dampers, terms.wall_dampers)),
     ]
     names = [_names(group) | {terms.inverse_mass} if group else set() for group in (*groups, _loads(terms))]

@@ -92,10 +92,10 @@ class Sensors:
         rest = data - self.signals(values, parameters)
         for place in {place for place, _ in self.free}:
             numbers = [number for number, (channel, _) in enumerate(self.free) if channel == place]
-            known = np.isfinite(data[:, place])
-            columns = slopes[known, place][:, numbers]
+            measured = np.isfinite(data[:, place])
+            columns = slopes[measured, place][:, numbers]
             columns[:, np.abs(columns).max(axis=0, initial=0.0) < AT_REST * self.size[place]] = 0.0
-            parameters[numbers] = np.linalg.lstsq(columns, rest[known, place], rcond=None)[0]
+            parameters[numbers] = np.linalg.lstsq(columns, rest[measured, place], rcond=None)[0]
         return parameters
 
     def reported(self, parameters: Floats) -> list[float]:
