@@ -7,7 +7,7 @@ Examples:
     >>> registry.INGREDIENTS["walls"].__name__
     'Walls'
     >>> sorted(registry.SEVERAL)
-    ['drive', 'kick', 'push', 'replace', 'resonators']
+    ['drive', 'initial', 'kick', 'push', 'replace', 'resonators']
 """
 
 import importlib

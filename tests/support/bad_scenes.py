@@ -688,7 +688,10 @@ REFUSED = [
         material={**_SI, "yield_strength": 1e9},
     ),
     _walled(": name left, right or both", {}),
-    _walled(".right: should be 'bead', 'flat' or 'rigid', or hold pairs, `{stiffness, material}`", {"right": "soft"}),
+    _walled(
+        ".right: should be 'bead', 'flat', 'rigid' or 'matched', or hold pairs, `{stiffness, material, damping}`",
+        {"right": "soft"},
+    ),
     _walled(".right.material: is in SI units", {"right": {"material": "steel"}}),
     _walled(".right: give one of stiffness, material and damping", {"right": {}}),
     _walled(f".right: {_FOR_SPHERES}", {"right": "flat"}, **_SQUARE),

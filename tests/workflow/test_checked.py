@@ -22,6 +22,7 @@ VALID = {
     "run": "there-is-none",
     "run_or_sweep": "there-is-none",
     "against": "there-is-none",
+    "path": "there-is-none",
     "definition": {"scene": SCENE, "vary": {"kick.velocity": [1.0]}, "engine": "reference"},
     "deck": "there-is-none",
     "to": "csv",

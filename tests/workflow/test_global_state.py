@@ -20,6 +20,7 @@ CALLS = {
     "resume": lambda _, run: granchain.resume(run),
     "deck": lambda path, _: granchain.deck(SCENE, path / "new"),
     "validate": lambda _, run: granchain.validate(run),
+    "trace_file": lambda path, _: granchain.trace_file(path / "scope.csv", {"time": "TIME"}),
     "universe": lambda _, run: [*(ts.frame for ts in granchain.universe(run).trajectory), gc.collect()],
     "collect": lambda _, run: granchain.collect(run.parent),
     "plot": lambda _, run: granchain.plot(granchain.collect(run.parent), "peak_velocity", "kick.velocity"),
