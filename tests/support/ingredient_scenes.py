@@ -113,11 +113,12 @@ CASES: dict[str, dict[str, Any]] = {
     "walls": WALLS,
     "dashpots at the ends of a dimer": {**DIMER, "walls": {"left": {"damping": 0.4}, "right": {"damping": 0.2}}},
     "matched end of a column": {**COLUMN, "walls": {"left": "matched", "right": "flat"}},
-    "matched ends, damped, driven, pressed": {
+    "matched end, drag, pressed": {
         **PRESSED,
-        "walls": {"left": "matched", "right": {"damping": 0.3}},
-        "damping": {"contact": 0.02, "beads": 0.1},
+        "walls": {"left": {"damping": 0.3}, "right": "matched"},
+        "damping": {"beads": 0.1},
     },
+    "dashpot at an end, damped contacts": {"walls": {"right": {"damping": 0.2}}, "damping": {"contact": 0.02}},
     "dimer": DIMER,
     "dimer of sizes": SIZES,
     "another pattern in each chain": {**DIMER, "pattern": [["heavy", "light"], ["light", "heavy", "heavy"]]},
