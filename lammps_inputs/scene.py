@@ -587,8 +587,9 @@ class BaseScene(ScenePart, metaclass=SceneType):
         scale, system = self.scale, self.system
         excitations = [(key, speed) for key, speed in self._speeds() if speed > 0.0]
         key, _ = max(excitations, key=lambda excitation: excitation[1])
-        largest = "largest " if len(excitations) > 1 else ""
-        parts = [f"V = {scale.written(1.0, 'velocity')} ({largest}{_EXCITATIONS.get(key, key)})"]
+        meaning = _EXCITATIONS.get(key, key)
+        largest = "largest " if len(excitations) > 1 and not meaning.startswith("largest") else ""
+        parts = [f"V = {scale.written(1.0, 'velocity')} ({largest}{meaning})"]
         parts += [f"{symbol} = {scale.short(1.0, name)}" for symbol, name in (("T", "time"), ("L", "length"))]
         if physics.coupled(system):
             parts.append(f"kappa = {physics.kappa(system):.6g}")

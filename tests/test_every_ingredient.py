@@ -262,7 +262,8 @@ def test_a_scene_in_other_units_is_the_same_problem(name):
         other = numbers(in_units(name, faster, material).problem())
         assert other.keys() == own.keys()
         for what, value in own.items():
-            np.testing.assert_allclose(other[what], value, rtol=1e-12, atol=1e-15, err_msg=what)
+            # slopes of tables lose digits of times, as many as a time is longer than its interval
+            np.testing.assert_allclose(other[what], value, rtol=1e-11, atol=1e-15, err_msg=what)
 
 
 LINEAR_TOO = [(name, {}) for name in AT_REST] + [("pressed column of exponent 2", exponent(3.0))]

@@ -26,7 +26,8 @@ def run(tmp_path):
 
 
 def test_ten_balls_by_mass_and_contact_constant_leave_with_the_stated_velocities(run):
-    keys, text = keys_of("Mass and stiffness without a modulus")
+    text = PAGE.read_text(encoding="utf-8").partition("<!-- keys: mass -->")[2]
+    keys = strict_yaml.parse(text.partition("```yaml\n")[2].partition("```")[0], "mass")
     velocity = run({**keys, "beads": 10, "kick": {"velocity": 1}, "duration": 6e-3}).trajectory.velocity
     assert velocity[-1, 0, [9, 0]] == pytest.approx([0.98587, -0.07109], abs=6e-6)
     assert "0.98587 V" in text
