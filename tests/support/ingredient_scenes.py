@@ -272,7 +272,7 @@ def in_units(name: str, velocity: float, material: dict[str, float] | None = Non
         "contact": formula,
         "coupling": {**springs, "topology": {"edges": (1, 1, unit.stiffness)}},
         "foundation": {**springs, "modulation": {"frequency": 1.0 / unit.time}},
-        "walls": dict.fromkeys(("left", "right"), {"stiffness": unit.force / unit.length**p, "damping": dashpot}),
+        "walls": {side: {"stiffness": unit.force / unit.length**p, "damping": dashpot} for side in ("left", "right")},
         "precompression": {"force": unit.force, "overlap": unit.length},
         "gravity": unit.length / unit.time**2,
         "damping": {
