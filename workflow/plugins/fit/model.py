@@ -397,7 +397,7 @@ def aligned(model: Model, logarithms: Floats, size: Floats, *, flipped: bool = F
     zeros = np.zeros(len(sensors.free))
 
     def completed(*offset: float) -> tuple[float, Floats] | None:
-        """Sum of squares, and parameters, with the best gains and baselines at an offset in units of T."""
+        """Sum of squares, and parameters, [parameter], with the best gains and baselines at an offset in units of T."""
         parameters = np.concatenate([logarithms, zeros, offset])
         values = model.values(parameters)
         if values is None:

@@ -146,7 +146,7 @@ def resolve(rows: RowStates, pair: int, time: float, chain: int, near: Floats) -
 
 @compiled.ieee_called_by_compiled
 def predict(state: CollisionState, pair: int, now: float, modes: Modes, gaps: Floats, end: float) -> None:
-    """Put the next contact of a pair of rows into the queue."""
+    """Put the next contact of a pair of rows, whose gaps are [pair, chain], into the queue."""
     near, relative, waves = state.near, state.relative, state.waves
     omega, shape, weight = modes.omega, modes.shape, modes.weight
     evolve(state.rows, pair, now, modes, near)
@@ -188,14 +188,14 @@ def predict(state: CollisionState, pair: int, now: float, modes: Modes, gaps: Fl
 
 @compiled.ieee
 def predict_all(state: CollisionState, modes: Modes, gaps: Floats, end: float) -> None:
-    """Predict every pair from time 0."""
+    """Predict every pair from time 0, at gaps [pair, chain]."""
     for pair in range(len(state.chain)):
         predict(state, pair, 0.0, modes, gaps, end)
 
 
 @compiled.ieee
 def collide(state: CollisionState, modes: Modes, gaps: Floats, end: float, events: EventArrays) -> int:
-    """Run until the arrays of events are full or nothing meets before the end; the number of events recorded."""
+    """Run until the arrays of events are full or nothing meets before the end, at gaps [pair, chain]; the events' number."""
     rows, queue, near = state.rows, state.queue, state.near
     count = 0
     while count < len(events.time):
