@@ -16,7 +16,7 @@ from analysis.conservation import Account, ConservationMeter
 from analysis.tracking.peaks import PeakMeter
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import Kick, Scene, laws
-from lammps_inputs.ingredients.contact import Contact
+from lammps_inputs.ingredients.contacts.power import PowerContact
 from lammps_inputs.ingredients.damping import Damping
 from lammps_inputs.ingredients.preload import Gravity, Precompression
 from lammps_inputs.ingredients.walls import Face, Walls
@@ -246,7 +246,7 @@ def column(tmp_path_factory: pytest.TempPathFactory) -> CompletedRun:
     case = damped(
         beads=6,
         walls=Walls(right=Face(stiffness=5.0)),
-        contact=Contact(exponent=2.0),
+        contact=PowerContact(exponent=2.0),
         gravity=Gravity(acceleration=0.05),
         damping=Damping(contact=0.1, law="viscoelastic"),
         timestep=0.005,

@@ -195,7 +195,7 @@ def predict_all(state: CollisionState, modes: Modes, gaps: Floats, end: float) -
 
 @compiled.ieee
 def collide(state: CollisionState, modes: Modes, gaps: Floats, end: float, events: EventArrays) -> int:
-    """Run until the arrays of events are full or nothing meets, at gaps [pair, chain]; the number of events recorded."""
+    """Run until arrays of events are full or nothing meets, at gaps [pair, chain]; the number of recorded events."""
     rows, queue, near = state.rows, state.queue, state.near
     count = 0
     while count < len(events.time):
