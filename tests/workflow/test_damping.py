@@ -285,7 +285,7 @@ def test_the_gauge_of_a_wall_reads_its_dashpot_too(column: CompletedRun) -> None
 def test_a_wall_with_another_dashpot_is_named_as_the_cause(factor: float, words: str, column: CompletedRun) -> None:
     problem = column.directory.problem
     contact, wall = problem.system.dampers
-    other = replace(wall, law=replace(wall.law, by_radius=factor * wall.law.by_radius))  # type: ignore[attr-defined,call-arg]
+    other = replace(wall, law=replace(wall.law, coefficient=factor * wall.law.coefficient))  # type: ignore[attr-defined,call-arg]
     right, wrong = (
         engine.run(problem),
         engine.run(replace(problem, system=replace(problem.system, dampers=(contact, other)))),
