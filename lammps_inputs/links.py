@@ -278,41 +278,41 @@ class Links:
 
     def overlap(self, displacement: Floats, first: int = 1) -> Floats:
         """Overlap at each link, [..., link], that at rest included."""
-        seen = self._law_among(displacement, first)
-        return np.asarray(seen.strain(displacement) + seen.law.rest)
+        among = self._among(displacement, first)
+        return np.asarray(among.strain(displacement) + among.law.rest)
 
     def energy(self, displacement: Floats, first: int = 1) -> Floats:
         """Energy stored in each link, [..., link], at displacements [..., chain, bead]."""
-        seen = self._law_among(displacement, first)
-        return np.asarray(laws.energy(seen.law, seen.strain(displacement)))
+        among = self._among(displacement, first)
+        return np.asarray(laws.energy(among.law, among.strain(displacement)))
 
     def force(self, displacement: Floats, first: int = 1) -> Floats:
         """Force of each link, [..., link], at displacements [..., chain, bead]."""
-        seen = self._law_among(displacement, first)
-        return np.asarray(laws.force(seen.law, seen.strain(displacement)))
+        among = self._among(displacement, first)
+        return np.asarray(laws.force(among.law, among.strain(displacement)))
 
     def force_rate(self, displacement: Floats, velocity: Floats) -> Floats:
         """Rate of change of the force of each link, [..., link], in units of m V / T**2."""
-        seen = self._law_among(displacement, 1)
-        law, s = seen.law, seen.strain(displacement)
+        among = self._among(displacement, 1)
+        law, s = among.law, among.strain(displacement)
         return np.asarray(laws.stiffness(law, s) * self.rate(velocity) + law.change(s, *law))
 
     def damping(self, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
         """Force of each dashpot, [..., link], which is 0 at rest."""
-        seen = self._law_among(displacement, first)
-        return np.asarray(dashpot.damping(seen.law, seen.strain(displacement), self.rate(velocity)))
+        among = self._among(displacement, first)
+        return np.asarray(dashpot.damping(among.law, among.strain(displacement), self.rate(velocity)))
 
     def damping_rate(self, displacement: Floats, velocity: Floats, acceleration: Floats, first: int = 1) -> Floats:
         """Rate of change of the force of each dashpot, [..., link], in units of m V / T**2, but for jumps."""
-        seen = self._law_among(displacement, first)
+        among = self._among(displacement, first)
         return np.asarray(
-            dashpot.change(seen.law, seen.strain(displacement), self.rate(velocity), self.rate(acceleration))
+            dashpot.change(among.law, among.strain(displacement), self.rate(velocity), self.rate(acceleration))
         )
 
     def given(self, displacement: Floats, first: int = 1) -> Floats:
         """Impulse of each dashpot, [..., link], in units of m V, since its strain was 0, as if no tension were cut."""
-        seen = self._law_among(displacement, first)
-        return np.asarray(seen.law.impulse(seen.strain(displacement), *seen.law))
+        among = self._among(displacement, first)
+        return np.asarray(among.law.impulse(among.strain(displacement), *among.law))
 
     # --- sums over links ----------------------------------------------------------------------------------------------
 
@@ -342,7 +342,7 @@ class Links:
         for edge, line in enumerate(beads.lines):  # edges may share a line
             total[..., line, :] += factor * values[..., edge, :]
 
-    def _law_among(self, displacement: Floats, first: int) -> Self:
+    def _among(self, displacement: Floats, first: int) -> Self:
         """Links among the beads of an array."""
         return self.on(slice(first - 1, first - 1 + displacement.shape[-1]))
 

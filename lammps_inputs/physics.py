@@ -482,8 +482,13 @@ def contact_loss(system: System) -> ContactLoss | None:
 
 def loss_beside(system: System, contacts: Links) -> Any:
     """Dashpot law beside contacts or walls; None if they are undamped."""
-    dashpots = (link for link in system.dampers if link.touching and link.between == contacts.between)
-    return next((link.law for link in dashpots), None)
+    dashpots = beside(system.dampers, contacts)
+    return None if dashpots is None else dashpots.law
+
+
+def beside(links: Iterable[Links], other: Links) -> Links | None:
+    """Those of some links that are at the places of others along the chains; None where there are none."""
+    return next((link for link in links if link.touching and link.between == other.between), None)
 
 
 def at_place(links: Iterable[Links], place: int, beads: int) -> Iterator[tuple[Links, int]]:

@@ -100,8 +100,9 @@ def _damped(link: Links, system: System) -> Links:
     """Dashpots of contacts and walls, which know the overlap at rest."""
     if not link.touching:
         return link
-    beside = next(contact for contact in system.links if contact.touching and contact.between == link.between)
-    return replace(link, law=replace(link.law, rest=beside.law.rest))  # type: ignore[call-arg]
+    contacts = physics.beside(system.links, link)
+    assert contacts is not None
+    return replace(link, law=replace(link.law, rest=contacts.law.rest))  # type: ignore[call-arg]
 
 
 def place_lines(system: System) -> list[str]:

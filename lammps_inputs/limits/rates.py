@@ -95,12 +95,8 @@ def drag(system: System) -> float:
     for link in system.dampers:
         if link in ties:
             continue
-        if link.kind == "along":
-            reached = dashpot.at_max_strain(link.law, system.along[0].law, physics.energy(system))
-            contacts = contacts + _on_beads(system, link, reached)
-        elif link.kind == "wall":
-            wall = next(wall for wall in system.walls if wall.side == link.side)
-            reached = dashpot.at_max_strain(link.law, wall.law, physics.energy(system))
+        if (elastic := physics.beside(system.links, link) if link.touching else None) is not None:
+            reached = dashpot.at_max_strain(link.law, elastic.law, physics.energy(system))
             contacts = contacts + _on_beads(system, link, reached)
         else:
             graph = largest_eigenvalue(link, system.chains) if link.edges else 1.0
