@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, create_model
 
 from lammps_inputs import strict_yaml
+from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws import Law, Parameter, dimensionless
 from lammps_inputs.links import Links
@@ -181,6 +182,30 @@ class Solids(NamedTuple):
     radius: Parameter
     modulus: Parameter
     softer: Parameter
+
+
+def table_text(path: Path, owner: str, most: int) -> str:
+    """Text of a file with a table.
+
+    Args:
+        path: the file.
+        owner: what has the table, such as "a push", for messages.
+        most: number of bytes that it may have.
+
+    Raises:
+        InputError: it cannot be read, is larger, or is no text.
+    """
+    reason = f"{path}: the table of {owner} cannot be read"
+    try:
+        with path.open("rb") as file:
+            raw = file.read(most + 1)
+        content = raw.decode("utf-8-sig")
+    except (OSError, ValueError) as error:
+        why = (error.strerror if isinstance(error, OSError) else None) or "it is not a text file"
+        raise InputError(f"{reason}: {why}") from None
+    if len(raw) > most:
+        raise InputError(f"{reason}: it is larger than {most >> 20} MiB")
+    return content
 
 
 class FurtherAtoms(NamedTuple):

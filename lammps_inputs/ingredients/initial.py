@@ -15,7 +15,7 @@ from pydantic import Field, field_serializer, field_validator, model_validator
 from lammps_inputs import physics, plugins
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Count, Ingredient, ScenePart, Setting, refuse_outside
+from lammps_inputs.ingredients.base import Count, Ingredient, ScenePart, Setting, refuse_outside, table_text
 from lammps_inputs.system import System
 from lammps_inputs.units import Label, Unit
 
@@ -224,15 +224,7 @@ def digest_of(rows: Iterable[Sequence[Any]]) -> str:
 
 def _read(path: Path) -> list[list[float]]:
     """Rows of a CSV file."""
-    try:
-        with path.open("rb") as file:
-            raw = file.read(MOST_BYTES + 1)
-        content = raw.decode("utf-8-sig")
-    except (OSError, ValueError) as error:
-        why = (error.strerror if isinstance(error, OSError) else None) or "it is not a text file"
-        raise InputError(f"{path}: the table of an initial state cannot be read: {why}") from None
-    if len(raw) > MOST_BYTES:
-        raise InputError(f"{path}: the table of an initial state is larger than {MOST_BYTES >> 20} MiB")
+    content = table_text(path, "an initial state", MOST_BYTES)
     try:
         return rows_of(content, f"{path}:")
     except ValueError as error:

@@ -23,6 +23,7 @@ from lammps_inputs.ingredients.base import (
     Positive,
     Setting,
     refuse_outside,
+    table_text,
     with_keys,
 )
 from lammps_inputs.laws import in_time
@@ -375,15 +376,7 @@ _BESIDE = {
 
 def _read(path: Path, key: str, columns: tuple[str, ...]) -> tuple[str, list[list[float]]]:
     """Name of the second column of a CSV file, empty where there is none, and its points: two numbers a line."""
-    try:
-        with path.open("rb") as file:
-            raw = file.read(MOST_BYTES + 1)
-        content = raw.decode("utf-8-sig")
-    except (OSError, ValueError) as error:
-        why = (error.strerror if isinstance(error, OSError) else None) or "it is not a text file"
-        raise InputError(f"{path}: the table of a {key} cannot be read: {why}") from None
-    if len(raw) > MOST_BYTES:
-        raise InputError(f"{path}: the table of a {key} cannot be read: it is larger than {MOST_BYTES >> 20} MiB")
+    content = table_text(path, f"a {key}", MOST_BYTES)
     try:
         return _points_of(content, f"{path}:", columns)
     except ValueError as error:
