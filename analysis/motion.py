@@ -94,7 +94,7 @@ def bead_energy(system: System, displacement: Floats, velocity: Floats, first: i
         [..., chain, bead] in units of m V**2.
     """
     total = kinetic_energy(system, velocity, first)
-    links = (*system.along, *system.ground, *system.walls)
+    links = (*system.contacts, *system.ground, *system.walls)
     for link in system.among(links, first, displacement.shape[-1]):
         link.shared(total, link.energy(displacement, first))
     return total
