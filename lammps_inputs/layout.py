@@ -77,8 +77,10 @@ def _diameter(system: System) -> float:
     for one overlap to reach half of it.
     """
     total, farthest = physics.energy(system), physics.farthest(system)
-    law, rest = system.along[0].law, float(np.max(system.along[0].law.rest))
-    alone, shared = (rest + laws.max_strain(law, energy) for energy in (total, total / 2.0))
+    rest = float(np.max(system.along[0].law.rest))
+    alone, shared = (
+        rest + max(laws.max_strain(link.law, energy) for link in system.contacts) for energy in (total, total / 2.0)
+    )
     held = (link.law for link in system.walls)
     walls = (2.0 * float(np.max(law.rest + law.max_strain(total, *law))) for law in held)
     # dashpots between chains act by the distance of two beads

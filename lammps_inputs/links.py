@@ -250,8 +250,8 @@ class Links:
             elif self.touching:
                 here, there = (beads - 1, 0) if sign > 0.0 else (0, beads - 1)
                 exists = bead == here
-                partner = None if len(self.ends) == 1 else (chain, np.where(exists, there, bead))
-                yield LinksOfBeads(exists, sign, chain, np.zeros_like(bead), partner)
+                last = None if len(self.ends) == 1 else (chain, np.where(exists, there, bead))
+                yield LinksOfBeads(exists, sign, chain, np.zeros_like(bead), last)
             else:
                 yield LinksOfBeads(np.ones(bead.shape, dtype=bool), sign, chain, bead, None)
 

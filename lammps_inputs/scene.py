@@ -29,6 +29,7 @@ from lammps_inputs.complaints import describe
 from lammps_inputs.deck_atoms import DeckAtoms
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
+from lammps_inputs.ingredients import periodic
 from lammps_inputs.ingredients.base import (
     Count,
     FurtherAtoms,
@@ -289,6 +290,8 @@ class BaseScene(ScenePart, metaclass=SceneType):
         self._check_numbers()
         self._check_materials()
         setting = self.setting
+        if setting.closed:
+            periodic.refuse(self.beads, setting.parts)
         for ingredient in self.ingredients:
             ingredient.refuse(setting)
         self._check_wanted()
@@ -703,7 +706,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
         taken = {fact for ingredient in self.ingredients for fact in ingredient.lacks(setting)}
         taken |= {Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set()
         further_lines, ties, dashpots = together(self.chains, [atoms for _, atoms in self._further_atoms(setting)])
-        taken |= physics.taken_by_state(touching[0].law)
+        taken |= physics.taken_by_state(touching[0].law) | ({Fact.FRONT} if setting.closed else set())
         system = System(
             chains=self.chains,
             beads=self.beads,

@@ -330,9 +330,11 @@ class FarEndMeasurement(Measurement):
 
     @classmethod
     def meter(cls, run: Recorded) -> FarEndMeter | None:
-        """The far end of runs of all beads, if these are elastic."""
+        """The far end of runs of all beads, if these are elastic, and no rings."""
         problem = run.problem
-        return FarEndMeter(problem) if problem.rows.complete and problem.system.holds(Fact.OVERLAPS) else None
+        system = problem.system
+        known = problem.rows.complete and system.holds(Fact.OVERLAPS) and not system.closing
+        return FarEndMeter(problem) if known else None
 
     @classmethod
     def of_run(cls, run: Recorded, survey: Survey, measured: Transmitted | None) -> Self | None:
