@@ -7,8 +7,9 @@ its place at rest, the ground: such places are of infinite mass, so that only th
 
 Displacements (in L), velocities (in V) and accelerations (in V / T) of beads are [..., chain, bead]. Forces (in
 m V / T) and energies (in m V**2) of links are [..., chain, contact], [..., edge, row], [..., chain, bead] or, at a
-wall and where a ring closes, [..., chain, 1]: in short [..., link]. Functions of arrays that hold only some rows take ``first``, the bead with
-which the last axis begins, by which they choose the parameters of a law that differs from link to link.
+wall and where a ring closes, [..., chain, 1]: in short [..., link]. Functions of arrays that hold only some rows take
+``first``, the bead with which the last axis begins, by which they choose the parameters of a law that differs from link
+to link.
 """
 
 import functools
