@@ -135,7 +135,13 @@ _EXCITATIONS = {
 
 
 def _none_if_false(value: Any) -> Any:
-    return None if value is False else value
+    if not isinstance(value, bool | None):
+        raise ValueError(f"should be true or false, not {value!r}")
+    return value or None
+
+
+Closed = Annotated[Literal[True] | None, BeforeValidator(_none_if_false, json_schema_input_type=bool)]
+"""Whether chains are rings; false is as good as absent."""
 
 
 class Kick(ScenePart):
@@ -206,7 +212,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
     """Clear distance between neighbouring beads at rest, 0: they just touch; or gaps by contact, a list with one for
     each contact, or random ones.
     """
-    periodic: Annotated[Literal[True] | None, BeforeValidator(_none_if_false), Label("periodic")] = None
+    periodic: Annotated[Closed, Label("periodic")] = None
     """Whether the last bead of each chain touches the first, so that a chain of N beads is a ring of N contacts."""
     kinds: Kinds | None = None
     """Kinds of beads by name, for `pattern` and `replace`."""

@@ -51,7 +51,7 @@ contacts yield, whose states of an instant before are unknown, a forward differe
 """
 
 UNPASSED = "nothing has arrived, or the record ends inside the pulse"
-ACTED_ON = "a push or drive acts on the last tenth of the beads, they fall, or the foundation varies in time"
+ACTED_ON = "the chains are rings, a push or drive acts on the last tenth of the beads, they fall, or the foundation varies in time"
 
 
 VALUES = ("wall_force", "wall_force_chain", "delay", "transmitted_energy")
@@ -169,10 +169,10 @@ class FarEndMeter(Meter[_FarFrames, Transmitted]):
 
     @property
     def _acted_on(self) -> bool:
-        """Whether forces from outside act on the last tenth of the beads."""
+        """Whether forces from outside act on the last tenth of the beads, or the first bead, as in a ring."""
         system = self.problem.system
         beads = [load.bead for load in system.loads] + [prescribed.bead for prescribed in system.motions]
-        if system.weights or physics.varying(system):
+        if system.closing or system.weights or physics.varying(system):
             return True
         return any(self._rows.start < bead <= self._rows.stop for bead in beads)
 
@@ -330,11 +330,9 @@ class FarEndMeasurement(Measurement):
 
     @classmethod
     def meter(cls, run: Recorded) -> FarEndMeter | None:
-        """The far end of runs of all beads, if these are elastic, and no rings."""
+        """The far end of runs of all beads, if these are elastic."""
         problem = run.problem
-        system = problem.system
-        known = problem.rows.complete and system.holds(Fact.OVERLAPS) and not system.closing
-        return FarEndMeter(problem) if known else None
+        return FarEndMeter(problem) if problem.rows.complete and problem.system.holds(Fact.OVERLAPS) else None
 
     @classmethod
     def of_run(cls, run: Recorded, survey: Survey, measured: Transmitted | None) -> Self | None:
