@@ -125,13 +125,18 @@ CASES: dict[str, dict[str, Any]] = {
         "periodic": True,
         "gap": {"mean": 0.2, "spread": 0.8},
         "coupling": None,
-        "damping": LOSSES["restitution"],
+        "damping": {"contact": 0.95, "law": "restitution"},
         "chains": 1,
     },
-    "closed to rings, random contacts, resonators, initial states": strength(
-        RANDOM, periodic=True, initial=STARTS, resonators={"mass": 0.3, "stiffness": 0.8}, kick=None
+    "closed to rings, random contacts, resonators": strength(
+        RANDOM, periodic=True, resonators={"mass": 0.3, "stiffness": 0.8}
     ),
-    "bonded rings": {"periodic": True, "contact": {"force": "k*s", "k": 0.7, "tension": "allowed"}},
+    "bonded rings, initial states": {
+        "periodic": True,
+        "contact": {"force": "k*s", "k": 0.7, "tension": "allowed"},
+        "initial": STARTS,
+        "kick": None,
+    },
     "dimer": DIMER,
     "dimer of sizes": SIZES,
     "another pattern in each chain": {**DIMER, "pattern": [["heavy", "light"], ["light", "heavy", "heavy"]]},

@@ -51,7 +51,10 @@ contacts yield, whose states of an instant before are unknown, a forward differe
 """
 
 UNPASSED = "nothing has arrived, or the record ends inside the pulse"
-ACTED_ON = "the chains are rings, a push or drive acts on the last tenth of the beads, they fall, or the foundation varies in time"
+ACTED_ON = (
+    "the chains are rings, a push or drive acts on the last tenth of the beads, they fall, or the foundation varies in "
+    "time"
+)
 
 
 VALUES = ("wall_force", "wall_force_chain", "delay", "transmitted_energy")
