@@ -286,8 +286,12 @@ def lags(waves: Waves, chain: int) -> Lags:
 
 
 def opposed(problem: Problem) -> bool:
-    """Whether there are kicks both ways, so that a bead's first maximum may be residual motion of the other pulse."""
-    return any(velocity * problem.direction < 0.0 for _, _, velocity in physics.excitations(problem.system))
+    """Whether a bead's first maximum may be residual motion: there are kicks both ways, or the chains are rings, round
+    which the residual motion of the kicked bead comes from behind.
+    """
+    return bool(problem.system.closing) or any(
+        velocity * problem.direction < 0.0 for _, _, velocity in physics.excitations(problem.system)
+    )
 
 
 def leading_meter(problem: Problem) -> PeakMeter:

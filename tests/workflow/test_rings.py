@@ -38,13 +38,17 @@ def velocity(scene: Scene) -> Any:
 
 @pytest.mark.usefixtures("lammps_here")
 def test_the_first_passage_is_that_of_an_open_chain(tmp_path):
-    """Until the last bead, which the kick has left alone, meets the first."""
-    closed, opened = (analyse(run(ring(periodic=key, beads=30), tmp_path / str(key)).directory) for key in (True, None))
+    """At the beads before it meets the small pulse that the rebounding first bead has sent the other way."""
+    closed, opened = (
+        analyse(run(ring(periodic=key, beads=30, duration=40.0), tmp_path / str(key)).directory) for key in (True, None)
+    )
     one, other = closed.waves, opened.waves
     assert one.bead.tolist() == list(range(1, 31))
+    assert np.all(one.peak_velocity > 0.6)
+    assert np.all(np.diff(one.arrival) > 0.0)
     for name in ("arrival", "peak_velocity", "speed"):
-        values, expected = getattr(one, name)[:28], getattr(other, name)[:28]
-        np.testing.assert_allclose(values, expected, rtol=0.0, atol=1e-11)
+        values, expected = getattr(one, name)[:21], getattr(other, name)[:21]
+        np.testing.assert_allclose(values, expected, rtol=0.0, atol=1e-9)
     [far_end] = [each for each in closed.measurements.values() if each.key == "far_end"]
     assert all(value is None for value in far_end.plain().values())
     assert closed.conservation.momentum_drift < 1e-13
@@ -130,17 +134,17 @@ def test_a_mode_of_a_bonded_ring_oscillates_at_its_frequency(wavenumber, tmp_pat
 def test_a_ring_drifts_several_times_round_its_box(tmp_path):
     """Its momentum is conserved to rounding, and each displacement counts from the bead's place at the start."""
     done = run(ring(beads=3, duration=150.0, timestep=0.005), tmp_path / "run")
-    length = 3 * done.problem.layout.diameter
+    length = 3 * done.trajectory.problem.layout.diameter
     mean = done.trajectory.displacement.mean(axis=(1, 2))
     np.testing.assert_allclose(mean, done.trajectory.time / 3.0, rtol=1e-12, atol=1e-12)
     assert mean[-1] > 3.0 * length
-    assert ConservationMeter(done.problem).read([done.trajectory]).momentum_drift < 1e-12
+    assert ConservationMeter(done.trajectory.problem).read([done.trajectory]).momentum_drift < 1e-12
     assert done.check.velocity < 1e-3
 
 
 @pytest.mark.usefixtures("lammps_here")
 def test_a_ring_that_was_interrupted_far_from_its_box_goes_on_bit_for_bit(tmp_path):
-    goes_on_bit_for_bit(ring(beads=3, duration=150.0), tmp_path, after=10_000)
+    goes_on_bit_for_bit(ring(beads=3, duration=150.0), tmp_path, after=2000)
 
 
 def test_the_energy_of_verlet_s_steps_errs_by_the_square_of_the_step(tmp_path):
@@ -148,7 +152,7 @@ def test_the_energy_of_verlet_s_steps_errs_by_the_square_of_the_step(tmp_path):
         ConservationMeter(problem)
         .read([run(ring(contact={"exponent": 2.0}, timestep=step), tmp_path / str(step), check=False).trajectory])
         .energy_drift
-        for step in (0.04, 0.02)
+        for step in (0.05, 0.025)
         for problem in [ring(contact={"exponent": 2.0}, timestep=step).problem()]
     ]
     assert np.log2(drifts[0] / drifts[1]) == pytest.approx(2.0, abs=0.1)
@@ -167,7 +171,7 @@ def test_the_force_in_the_closing_contact_is_that_of_any_other(tmp_path):
         forces.append(analyse(done.directory).measurements["forces"].plain())
     for here, there in zip(*forces, strict=True):
         for key in ("largest", "at", "impulse", "dwell"):
-            assert here[key] == pytest.approx(there[key], abs=1e-9)
+            assert here[key] == pytest.approx(there[key], abs=1e-7)
 
 
 @pytest.mark.parametrize(
