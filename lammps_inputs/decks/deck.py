@@ -86,10 +86,7 @@ def render_deck(problem: Problem, start: Sequence[str] = (), opening: float = 0.
             _boundary(problem),
             *neighbour_lines(problem, opening or _opening(problem)),
             *number_fix(problem),
-            *_start_fix(problem),
-            f"read_data {file_names.DATA}"
-            + " fix numbers NULL Numbers" * bool(number_fix(problem))
-            + " fix start NULL Start" * bool(_start_fix(problem)),
+            f"read_data {file_names.DATA}" + " fix numbers NULL Numbers" * bool(number_fix(problem)),
             *group_lines(problem),
             *_mass_lines(problem),
         ],
@@ -391,11 +388,10 @@ def start_lines(problem: Problem) -> list[str]:
     lines = []
     if system.start is not None:
         lines = [
-            "# places and velocities at the start, from the data file",
-            "variable place atom x+d_displacement",
-            "variable velocity atom d_velocity",
-            "set group all x v_place vx v_velocity",
-            "unfix start",
+            "# the data file has velocities at the start, and displacements in place of vy",
+            "variable place atom x+vy",
+            "set group all x v_place",
+            "set group all vy 0.0",
         ]
     lines += loads.start_lines(system.motions, layout)
     for number, (chain, bead, _) in enumerate(system.kicks, 1):
@@ -403,11 +399,6 @@ def start_lines(problem: Problem) -> list[str]:
         kick = f"$({text(before)}+v_kick{number}:%.17g)" if before else f"${{kick{number}}}"
         lines.append(f"set atom {layout.atom(chain, bead)} vx {kick}")
     return lines
-
-
-def _start_fix(problem: Problem) -> list[str]:
-    """Fix that holds displacements and velocities at the start, which the data file has; none where atoms rest."""
-    return [] if problem.system.start is None else ["fix start all property/atom d_displacement d_velocity"]
 
 
 def _opening(problem: Problem) -> float:
@@ -522,14 +513,14 @@ def _atom_lines(problem: Problem, line: int, masses: list[float], types: list[in
 
 
 def _lines_of_start(problem: Problem) -> Iterator[str]:
-    """Section of displacement and velocity of every atom at the start; none where all are at rest."""
+    """Section of the velocity of every atom at the start, and its displacement as vy; none where all are at rest."""
     system = problem.system
     if system.start is None:
         return
-    yield "\nStart\n\n"
+    yield "\nVelocities\n\n"
     x, v = system.start.displacement.reshape(-1), system.start.velocity.reshape(-1)
     for atom in physics.atom_ids(system).tolist():
-        yield f"{atom} {text(x[atom - 1])} {text(v[atom - 1])}\n"
+        yield f"{atom} {text(v[atom - 1])} {text(x[atom - 1])} 0 0 0 0\n"
 
 
 def _number_lines(problem: Problem) -> Iterator[str]:

@@ -13,7 +13,8 @@ from lammps_inputs import laws, physics
 from lammps_inputs.formulas import expression, formula_law
 from lammps_inputs.formulas.expression import STRAIN
 from lammps_inputs.formulas.formula_law import AcrossChains, AlongChains, Force, ToGround
-from lammps_inputs.ingredients.by_formula import MOST_EXPONENT, STIFFEST
+from lammps_inputs.ingredients.by_formula import STIFFEST
+from lammps_inputs.ingredients.contact import MOST_EXPONENT
 from lammps_inputs.system import System
 
 __all__ = [

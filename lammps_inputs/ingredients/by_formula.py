@@ -15,9 +15,6 @@ from pydantic import (
 from lammps_inputs import plugins
 from lammps_inputs.ingredients.base import Ingredient
 
-MOST_EXPONENT = 3.0
-"""Exponent of contacts up to which there are solitary waves to compare with."""
-
 STIFFEST = 1e12
 """Dimensionless stiffness; beyond it the beads do not move."""
 

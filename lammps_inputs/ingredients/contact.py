@@ -34,6 +34,9 @@ from lammps_inputs.units import Label
 HERTZ = 1.5
 """Exponent of the contact of spheres."""
 
+MOST_EXPONENT = 3.0
+"""Exponent up to which there are solitary waves to compare with."""
+
 LEAST_OF_PULSES = 1.05
 """Exponent below which a solitary wave, if there is one, is longer than forty beads."""
 

@@ -9,8 +9,7 @@ from pydantic import field_validator
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import profile
 from lammps_inputs.ingredients.base import Setting
-from lammps_inputs.ingredients.by_formula import MOST_EXPONENT
-from lammps_inputs.ingredients.contact import HERTZ, Contact, Strength, lacking, of_power
+from lammps_inputs.ingredients.contact import HERTZ, MOST_EXPONENT, Contact, Strength, lacking, of_power
 from lammps_inputs.ingredients.contacts.power import Exponent
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.contact import Power

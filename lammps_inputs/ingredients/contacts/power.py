@@ -10,8 +10,7 @@ from pydantic import Field
 
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Positive, Setting
-from lammps_inputs.ingredients.by_formula import MOST_EXPONENT
-from lammps_inputs.ingredients.contact import HERTZ, Contact, Strength, lacking, of_power
+from lammps_inputs.ingredients.contact import HERTZ, MOST_EXPONENT, Contact, Strength, lacking, of_power
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.units import PURE, Label, Unit
 
