@@ -120,6 +120,7 @@ class Measured:
         probes: forces by which a scene is compared with the deck.
         first_step: number of the step at the start.
         direction: 1 where beads are counted along the axis, -1 where against it.
+        around: overlap of the last with the first bead of rings, [chain]; None of chains with ends.
         wall_atoms: "left" or "right" -> numbers of the held atoms that are the wall, [chain].
     """
 
@@ -147,12 +148,18 @@ class Measured:
     probes: list[ForceProbe] = field(default_factory=list)
     first_step: int = 0
     direction: float = 1.0
+    around: Floats | None = None
     wall_atoms: dict[str, Integers] = field(default_factory=dict)
 
     @property
     def rounding(self) -> float:
         """Error of overlaps by rounded positions."""
         return 8.0 * float(np.finfo(float).eps * np.max(np.abs(self.place)))
+
+    @property
+    def overlaps(self) -> Floats:
+        """Overlaps of the contacts, those through which rings close included, [chain, contact]."""
+        return self.overlap if self.around is None else np.column_stack([self.overlap, self.around])
 
     @property
     def load(self) -> Floats:

@@ -145,10 +145,9 @@ def measure(lmp: Any) -> Measured:
     """
     atoms = Atoms(lmp)
     axis, chains, inner = arrange(atoms.place, atoms.radius, atoms.mass, _bonds(lmp, atoms.ids))
-    _refuse_ring(lmp, atoms, axis, chains)
     first_step = int(lmp.extract_global("ntimestep"))
     measured = _Bench(atoms, axis, chains, inner).measured(float(lmp.extract_global("dt")))
-    return replace(measured, first_step=first_step)
+    return replace(measured, first_step=first_step, around=_around(lmp, atoms, axis, chains))
 
 
 def _bonds(lmp: Any, ids: Integers) -> Integers:
@@ -160,14 +159,12 @@ def _bonds(lmp: Any, ids: Integers) -> Integers:
     return np.searchsorted(ids, pairs)
 
 
-def _refuse_ring(lmp: Any, atoms: Atoms, axis: int, chains: Integers) -> None:
+def _around(lmp: Any, atoms: Atoms, axis: int, chains: Integers) -> Floats | None:
+    """Overlap of the last with the first bead of rings, through a periodic boundary, [chain]; None of open chains."""
     low, high, *_, periodic, _ = lmp.extract_box()
     place, radius = atoms.place[chains, axis], atoms.radius[chains]
-    around = high[axis] - low[axis] - (place[:, -1] - place[:, 0]) - radius[:, 0] - radius[:, -1]
-    if periodic[axis] and np.min(around) < 0.5 * np.min(radius):
-        raise NotMeasuredError(
-            "the chains close to rings through the periodic boundary; supported: chains with two ends", "boundary"
-        )
+    gap = high[axis] - low[axis] - (place[:, -1] - place[:, 0]) - radius[:, 0] - radius[:, -1]
+    return -gap if periodic[axis] and np.min(gap) < 0.5 * np.min(radius) else None
 
 
 class _Bench:

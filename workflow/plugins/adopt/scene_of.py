@@ -133,6 +133,7 @@ class SceneKeys:
         keys |= {"chains": measured.mass.shape[0], "beads": measured.mass.shape[1]}
         for part in (
             *(
+                self._periodic,
                 self._gap,
                 self._material,
                 self._contacts_and_beads,
@@ -173,8 +174,19 @@ class SceneKeys:
 
     # --- chains -------------------------------------------------------------------------------------------------------
 
+    def _periodic(self) -> dict[str, Any]:
+        measured = self.measured
+        if measured.around is None:
+            return {}
+        if np.max(measured.overlaps) > NEGLIGIBLE * self.scale.length:
+            raise NotMeasuredError(
+                "the beads of a ring press each other at rest; supported: rings of beads that touch, or with gaps",
+                "boundary",
+            )
+        return {"periodic": True}
+
     def _gap(self) -> dict[str, Any]:
-        overlap, least = self.measured.overlap, NEGLIGIBLE * self.scale.length
+        overlap, least = self.measured.overlaps, NEGLIGIBLE * self.scale.length
         if np.max(np.abs(overlap)) < least or np.max(overlap) > least:
             return {}
         if not np.ptp(overlap) > least:
@@ -217,6 +229,12 @@ class SceneKeys:
         kinds = [kind if by_size else (kind[0], self.radius) for kind in self._kinds]
         kinds = list(dict.fromkeys(kinds))
         if not by_size and not np.allclose(measured.strength, self.reference, rtol=SAME):
+            if measured.around is not None:
+                raise NotMeasuredError(
+                    "the contacts of a ring differ otherwise than by the sizes of its beads; supported: rings of "
+                    "alike contacts",
+                    "boundary",
+                )
             strength = [[tidy(value / self.reference) for value in row] for row in measured.strength.tolist()]
             contact["strength"] = strength[0] if all(row == strength[0] for row in strength) else strength
         if contact:
