@@ -124,8 +124,23 @@ GAPPED = {
 }
 
 
+RING = {
+    "name": "ring",
+    "chains": 2,
+    "beads": 7,
+    "periodic": True,
+    "gap": [0.3, 0.1, 0.0, 0.5, 0.2, 0.0, 0.4],
+    "kinds": {"heavy": {"mass": 2.0}},
+    "replace": {"bead": 5, "kind": "heavy"},
+    "coupling": {"stiffness": 0.2},
+    "kick": {"bead": 3, "velocity": 1},
+    "duration": 25,
+    "timestep": 0.01,
+}
+
+
 @pytest.mark.usefixtures("here")
-@pytest.mark.parametrize("data", [SPRINGS, LOADED, GAPPED], ids=["springs", "loaded", "gapped"])
+@pytest.mark.parametrize("data", [SPRINGS, LOADED, GAPPED, RING], ids=["springs", "loaded", "gapped", "ring"])
 def test_a_scene_comes_back_from_its_deck(data: dict[str, Any], tmp_path: Path) -> None:
     scene = library.from_plain(data, "test")
     read = of_scene(scene, tmp_path / "deck")
