@@ -51,10 +51,7 @@ contacts yield, whose states of an instant before are unknown, a forward differe
 """
 
 UNPASSED = "nothing has arrived, or the record ends inside the pulse"
-ACTED_ON = (
-    "the chains are rings, a push or drive acts on the last tenth of the beads, they fall, or the foundation varies in "
-    "time"
-)
+ACTED_ON = "chains are rings, a push or drive acts on the last tenth, beads fall, or the foundation varies in time"
 
 
 VALUES = ("wall_force", "wall_force_chain", "delay", "transmitted_energy")
