@@ -71,7 +71,13 @@ TURNED = {
 }
 
 
-@pytest.mark.parametrize(("keys", "turned"), TURNED.values(), ids=TURNED)
+COMPILED_ANEW = {"beads and dashpots", "contacts that yield"}
+MARKED = [
+    pytest.param(*both, id=name, marks=[pytest.mark.slow] * (name in COMPILED_ANEW)) for name, both in TURNED.items()
+]
+
+
+@pytest.mark.parametrize(("keys", "turned"), MARKED)
 def test_a_ring_whose_beads_are_numbered_from_another_one_moves_alike(keys, turned):
     here = velocity(ring(kick={"bead": 2, "velocity": 1.0}, **keys))
     there = velocity(ring(kick={"bead": 5, "velocity": 1.0}, **turned))
@@ -99,6 +105,7 @@ def test_a_bonded_ring_has_its_exact_spectrum(beads):
     np.testing.assert_allclose(modes.frequency, exact, rtol=0.0, atol=1e-7)  # of the mean the root of rounding
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("lammps_here")
 @pytest.mark.parametrize("wavenumber", [1, 3])
 def test_a_mode_of_a_bonded_ring_oscillates_at_its_frequency(wavenumber, tmp_path):
@@ -142,6 +149,7 @@ def test_a_ring_drifts_several_times_round_its_box(tmp_path):
     assert done.check.velocity < 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("lammps_here")
 def test_a_ring_that_was_interrupted_far_from_its_box_goes_on_bit_for_bit(tmp_path):
     goes_on_bit_for_bit(ring(beads=3, duration=150.0), tmp_path, after=2000)
