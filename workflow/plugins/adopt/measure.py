@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from workflow.plugins.adopt import reference_places
 from workflow.plugins.adopt.chains import (
     PLACES,
     TIME,
@@ -73,11 +74,11 @@ class Atoms:
         self.place, self.velocity, self.radius, self.mass = (
             self._sorted(name) for name in ("x", "v", "radius", "rmass")
         )
-        self.force = self._sorted("f")
+        self.start = self.place.copy()
         self._image = self._sorted("image")
 
     def forces(self, axis: int, displacement: Any = 0.0, velocity: Any = 0.0) -> Floats:
-        """Forces along an axis on the atoms, [atom], displaced from the start and with these velocities.
+        """Forces along an axis on the atoms, [atom], displaced from `place` and with these velocities.
 
         Raises:
             NotMeasuredError: a force acts across the axis.
@@ -114,10 +115,22 @@ class Atoms:
         moved = self._sorted("x")[:, axis] != self.place[:, axis]
         return np.asarray(moved)
 
-    def box(self, axis: int) -> tuple[float, float]:
-        """Lower and upper face of the box along an axis."""
-        low, high, *_ = self._lmp.extract_box()
-        return float(low[axis]), float(high[axis])
+    def prescribed(self, axis: int) -> NDArray[np.bool_]:
+        """Whether LAMMPS moves an atom along a given path, wherever it was before the step, [atom]."""
+        apart = 1e-3 * float(np.min(self.radius))
+        after = []
+        for displacement in (0.0, apart, 0.0):
+            place = self.place.copy()
+            place[:, axis] += displacement
+            self._put(place, np.zeros_like(place))
+            self._lmp.command("run 1 post no")
+            after.append(self._sorted("x")[:, axis])
+        return np.asarray(np.abs(after[0] - 2.0 * after[1] + after[2]) < apart)
+
+    def box(self, axis: int) -> tuple[float, float, bool]:
+        """Lower and upper face of the box along an axis, and whether it is periodic or follows the atoms."""
+        low, high, *_, periodic, _ = self._lmp.extract_box()
+        return float(low[axis]), float(high[axis]), bool(periodic[axis])
 
     def at_another_time(self) -> None:
         """Continue at a later step, for forces that depend on the time."""
@@ -137,18 +150,55 @@ class Atoms:
             self._lmp.numpy.extract_atom(name)[:count] = values[of_atom]
 
 
+MOVES = "granchain_moves"
+"""Variable of LAMMPS with the names of all `fix move`, behind a dash."""
+
+
 def measure(lmp: Any) -> Measured:
-    """Measure the forces of a deck that has come to its first run.
+    """Measure the forces of a deck that has come to the run with which a scene begins.
 
     Raises:
         NotMeasuredError: the beads are no chains, or a force is none that a scene has.
     """
+    first_step = int(lmp.extract_global("ntimestep"))
     atoms = Atoms(lmp)
     axis, chains, inner = arrange(atoms.place, atoms.radius, atoms.mass, _bonds(lmp, atoms.ids))
     _refuse_ring(lmp, atoms, axis, chains)
-    first_step = int(lmp.extract_global("ntimestep"))
-    measured = _Bench(atoms, axis, chains, inner).measured(float(lmp.extract_global("dt")))
+    moves = [name for name in str(lmp.extract_variable(MOVES)).split()[1:] if name in lmp.available_ids("fix")]
+    driven = atoms.prescribed(axis) if moves else np.zeros(len(atoms.ids), dtype=bool)
+    for name in moves:  # beside them the number of the step may not be changed
+        lmp.command(f"unfix {name}")
+    timestep = float(lmp.extract_global("dt"))
+    free = atoms.moved_by_a_step(axis) & ~driven
+
+    def bench() -> Measured:
+        return _Bench(atoms, axis, chains, [replace(part) for part in inner], driven, free).measured(timestep)
+
+    try:
+        measured = bench()
+    except NotMeasuredError:
+        place = _reference(atoms, axis, chains, inner, free)
+        if place is None or np.array_equal(place, atoms.place[:, axis]):
+            raise
+        atoms.place[:, axis] = place
+        measured = bench()
     return replace(measured, first_step=first_step)
+
+
+def _reference(atoms: Atoms, axis: int, chains: Integers, inner: list[Inner], free: NDArray[np.bool_]) -> Floats | None:
+    """Places along the axis from which displacements are counted, [atom], of a start away from rest; None without."""
+    low, high, periodic = atoms.box(axis)
+    margin = 1e-6 * float(np.min(atoms.radius))
+    lines = reference_places.Lines(
+        forces=lambda displacement: atoms.forces(axis, displacement),
+        start=atoms.start[:, axis].copy(),
+        mass=atoms.mass,
+        lines=np.array([*chains, *(part.atoms for part in inner)]),
+        radius=atoms.radius[chains],
+        free=free,
+        limits=(-math.inf, math.inf) if periodic else (low + margin, high - margin),
+    )
+    return reference_places.reference(lines)
 
 
 def _bonds(lmp: Any, ids: Integers) -> Integers:
@@ -173,8 +223,17 @@ def _refuse_ring(lmp: Any, atoms: Atoms, axis: int, chains: Integers) -> None:
 class _Bench:
     """The patterns of displacements and velocities, and what follows from the forces."""
 
-    def __init__(self, atoms: Atoms, axis: int, chains: Integers, inner: list[Inner]) -> None:
+    def __init__(
+        self,
+        atoms: Atoms,
+        axis: int,
+        chains: Integers,
+        inner: list[Inner],
+        driven: NDArray[np.bool_],
+        free: NDArray[np.bool_],
+    ) -> None:
         self.atoms, self.axis, self.chains, self.inner = atoms, axis, chains, inner
+        self.driven, self.free = driven, free
         self.rows = np.full(len(atoms.ids), -1)
         self.chain_of = np.full(len(atoms.ids), -1)
         for number, line in enumerate(chains):
@@ -186,8 +245,9 @@ class _Bench:
         self.small = SMALL * float(np.min(atoms.radius[chains]))
         place, radius = atoms.place[chains, axis], atoms.radius[chains]
         self.overlap = radius[:, :-1] + radius[:, 1:] - np.diff(place, axis=1)
-        self.touching = 8.0 * float(np.finfo(float).eps * np.max(np.abs(atoms.place)))
-        self.speed = float(np.max(np.abs(atoms.velocity)))
+        farthest = max(float(np.max(np.abs(places))) for places in (atoms.place, atoms.start))
+        self.touching = 8.0 * float(np.finfo(float).eps) * farthest
+        self.speed = float(np.max(np.abs(atoms.velocity[~driven]), initial=0.0))
 
     def measured(self, timestep: float) -> Measured:
         """All forces, each of which must be one that a scene has."""
@@ -204,19 +264,22 @@ class _Bench:
         self.rest = atoms.forces(axis)
         self._measure_foundation()
         strength, exponent = self._measure_contacts()
-        if self.speed == 0.0:
-            self._refuse_rest(strength, exponent)
-        self._refuse_motion_at_rest(strength, exponent)
+        acceleration = self._acceleration(strength, exponent)
+        if self.speed == 0.0:  # dashpots are measured at some velocity
+            self.speed = math.sqrt(float(np.max(strength)) * self.small ** (exponent + 1.0) / float(np.max(atoms.mass)))
         drag = self._measure_drag()
         walls, wall_dashpots, other_walls = self._measure_walls(exponent)
+        clear = np.full(len(chains), max(0.0, -float(np.min(self.overlap))))
         result = Measured(
             axis=axis,
             ids=atoms.ids[chains],
             place=atoms.place[chains, axis],
+            displacement=(atoms.start - atoms.place)[chains, axis],
             velocity=atoms.velocity[chains, axis],
             mass=atoms.mass[chains],
             radius=atoms.radius[chains],
             held=np.zeros(chains.shape, dtype=bool),
+            driven=np.zeros(chains.shape, dtype=bool),
             overlap=self.overlap,
             strength=strength,
             exponent=exponent,
@@ -230,11 +293,21 @@ class _Bench:
             wall_dashpot=wall_dashpots,
             other_walls=other_walls,
             inner=self.inner,
+            acceleration=acceleration,
             timestep=timestep,
+            clearance=dict.fromkeys(walls, clear),
         )
         self._measure_inner()
         self._measure_dashpots(result)
-        result.held = self._held(strength)
+        result.held, result.driven = self._held(strength)
+        result.velocity[result.driven] = 0.0
+        self._forget_forces_on_driven(result)
+        if not (acceleration or np.any(result.driven) or np.any(result.velocity) or np.any(result.displacement)):
+            raise NotMeasuredError(
+                "no bead moves at the start; supported: velocities by `velocity` or `set` before the run (key `kick`), "
+                "displacements (`initial`), falls (`gravity`), motions by `fix move` (`drive`)",
+                "run",
+            )
         result.probes = list(self._probes(result.held))
         return result
 
@@ -378,42 +451,33 @@ class _Bench:
         if np.any(~held & (np.abs(between) > 100.0 * AGREE * self.contact_force)):
             raise NotMeasuredError("beads that are apart act on each other; supported: contacts that touch", *_CONTACTS)
 
-    def _refuse_motion_at_rest(self, strength: Floats, exponent: float) -> None:
-        """Refuse a start that is no equilibrium but for the velocities."""
+    def _acceleration(self, strength: Floats, exponent: float) -> float:
+        """Acceleration of all beads, which fall; 0 in equilibrium.
+
+        Raises:
+            NotMeasuredError: forces on beads at rest are neither those of an equilibrium nor weights alone.
+        """
+        force = np.where(self.free, self.rest, 0.0)
+        load = float(np.max(strength * np.maximum(self.overlap, 0.0) ** exponent))
         energy = float(np.median(self.atoms.mass)) * self.speed**2
         impact = energy ** (exponent / (exponent + 1.0)) * float(np.max(strength)) ** (1.0 / (exponent + 1.0))
-        if self._unbalanced(strength, exponent, impact):
+        least = self.noise + UNBALANCED * max(load, impact)
+        if np.max(np.abs(force)) <= least:
+            return 0.0
+        falls = reference_places.acceleration(force, self.atoms.mass, self.noise)
+        if falls is None or np.max(self.overlap) > self.touching or np.any(self.linear) or np.any(self.cubic):
             raise NotMeasuredError(f"beads are not in equilibrium at the start ({self._why})", *PLACES, *_FORCES)
-
-    def _refuse_rest(self, strength: Floats, exponent: float) -> None:
-        """Refuse a start without any velocity."""
-        if self._unbalanced(strength, exponent, 0.0):
-            raise NotMeasuredError(f"beads fall from rest ({self._why})", *PLACES, *_FORCES)
-        raise NotMeasuredError(
-            "no bead moves at the start; supported: velocities by `velocity` or `set` before the run (key `kick`)",
-            "run",
-        )
-
-    def _unbalanced(self, strength: Floats, exponent: float, impact: float) -> bool:
-        """Whether a force on a bead at rest is more than rounding, beside loads and the force of an impact."""
-        load = float(np.max(strength * np.maximum(self.overlap, 0.0) ** exponent))
-        return bool(np.max(np.abs(self.rest)) > self.noise + UNBALANCED * max(load, impact))
+        return falls
 
     @property
     def _why(self) -> str:
         """Largest force on a bead at rest, and what a scene has for it."""
-        place = int(np.argmax(np.abs(self.rest)))
-        pressed = float(np.max(self.overlap)) > self.touching
-        start = (
-            "beads that overlap are held by `precompression: {force: ...}`, or by walls at the ends, or lie on a wall "
-            "under `gravity`"
-            if pressed
-            else "a column that has settled on a wall is `gravity: ...` with `walls`, what then moves it `kick`; "
-            "beads that fall, `gravity: {acceleration: ..., settled: false}`, and displaced ones, `initial`, are not "
-            "recognised"
+        place = int(np.argmax(np.abs(np.where(self.free, self.rest, 0.0))))
+        return (
+            f"force {self.rest[place]:.6g} on atom {self.atoms.ids[place]}, and no equilibrium was found near it; "
+            "supported: an equilibrium, displacements from one (`initial`), beads apart that fall alike "
+            "(`gravity: {acceleration: ..., settled: false}`); forces on single beads are `push` of a scene of your own"
         )
-        force = f"force {self.rest[place]:.6g} on atom {self.atoms.ids[place]}"
-        return f"{force}; an adopted scene starts in equilibrium: {start}"
 
     # --- dashpots -----------------------------------------------------------------------------------------------------
 
@@ -514,6 +578,8 @@ class _Bench:
         gap, pressed = max(0.0, -float(np.min(self.overlap))), float(np.max(self.overlap)) > self.touching
         steps = [gap + level * self.small for level in LEVELS]
         for side in ("left", "right"):
+            if np.all(self.driven[self.chains[:, 0 if side == "left" else -1]]):
+                continue
 
             def push(distance: float, speed: float, side: str = side) -> Floats:
                 """Force of the wall on the bead before it, [chain]."""
@@ -550,7 +616,7 @@ class _Bench:
 
     def _way_to_face(self, side: str) -> float:
         """Distance by which all atoms can be moved towards an end without one leaving the box."""
-        low, high = self.atoms.box(self.axis)
+        low, high, _ = self.atoms.box(self.axis)
         place = self.atoms.place[:, self.axis]
         distance = float(np.min(place) - low) if side == "left" else float(high - np.max(place))
         return distance * (1.0 - 1e-9)
@@ -570,22 +636,41 @@ class _Bench:
                     TIME,
                 )
 
-    def _held(self, strength: Floats) -> NDArray[np.bool_]:
-        """Whether a bead never moves, [chain, bead]: not integrated, or without any force."""
+    def _held(self, strength: Floats) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Whether a bead never moves, [chain, bead], and whether its motion is given, whatever acts on it."""
         displacement = self._pattern(0, self._base + self.small), self._pattern(1, self._base + self.small)
         forces = np.abs([self._moved(pattern)[self.chains] for pattern in displacement])
         without_force = np.all(forces == 0.0, axis=0)
         touched = np.zeros(self.chains.shape, dtype=bool)
         touched[:, :-1] |= strength > 0.0
         touched[:, 1:] |= strength > 0.0
-        still = ~self.atoms.moved_by_a_step(self.axis)[self.chains]
-        held = still | (without_force & touched)
-        if np.any(self.atoms.velocity[self.chains, self.axis][held]):
+        velocity, driven = self.atoms.velocity[self.chains, self.axis], self.driven[self.chains]
+        moved = self.free[self.chains]
+        if np.any(velocity[~moved & ~driven]):
             raise NotMeasuredError(
-                "a bead that no force moves has a velocity; supported: beads that are held", "velocity"
+                "a bead that no `fix nve` moves has a velocity; supported: beads that are held, or moved by `fix move`",
+                "velocity",
             )
-        return np.asarray(held)
+        constant = moved & without_force & touched
+        driven = driven | (constant & (velocity != 0.0))
+        if np.all(driven | ~moved | constant):
+            raise NotMeasuredError(
+                "no bead moves freely; supported: chains of at least 2 beads that forces move", "fix move", "fix freeze"
+            )
+        return (~moved | constant) & ~driven, driven
 
+    def _forget_forces_on_driven(self, result: Measured) -> None:
+        """Give driven beads the springs and drag of the next free one: forces on them have no effect."""
+        for chain, bead in np.argwhere(result.driven).tolist():
+            free = np.flatnonzero(~result.driven[chain] & ~result.held[chain])
+            if not len(free):
+                continue
+            like = int(free[np.argmin(np.abs(free - bead))])
+            result.foundation[:, chain, bead] = result.foundation[:, chain, like]
+            result.drag[chain, bead] = result.drag[chain, like]
+            for (first, second), table in result.coupling.items():
+                if chain in (first, second):
+                    table[:, bead] = table[:, like]
 
 def _exponent(first: Floats, second: Floats, overlaps: list[Floats]) -> float:
     """Exponent of the power of the overlap whose increases these are, by the contact that pushes hardest."""
