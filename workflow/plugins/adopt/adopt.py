@@ -13,7 +13,7 @@ from granchain import InputError, RunError, Scene
 from granchain.parts import BinaryDump, file_names, library, scene_files
 from workflow.plugins.adopt import differences, evaluate
 from workflow.plugins.adopt.chains import TIME, Measured, NotMeasuredError
-from workflow.plugins.adopt.deck_text import FIXES_WITHOUT_EFFECT, WITHOUT_EFFECT, Command, Deck, words_of
+from workflow.plugins.adopt.deck_text import FIXES_WITHOUT_EFFECT, WITHOUT_EFFECT, Command, Deck, damped_wall, words_of
 from workflow.plugins.adopt.evaluate import Executed, Workplace
 from workflow.plugins.adopt.measure import MOVES
 from workflow.plugins.adopt.motions import RECORDED, GivenMotion
@@ -322,8 +322,13 @@ def _notes(executed: Executed) -> list[str]:
     for command in executed.commands:
         if command.style in ("dump", "shell", "write_data", "write_restart", "restart"):
             skipped.setdefault(command.place)
+    walls = (command.place for command in executed.commands if damped_wall(words_of(command.text)))
+    without = "executed with gamma_n = 1e-30, as LAMMPS divides by gamma_n"
     frames = "; frames are those of `output.every`"
-    return [f"{place}: not executed" + frames * (" dump" in place) for place in skipped]
+    return [
+        *(f"{place}: {without}" for place in walls),
+        *(f"{place}: not executed" + frames * (" dump" in place) for place in skipped),
+    ]
 
 
 # --- the scene's deck beside the user's -------------------------------------------------------------------------------

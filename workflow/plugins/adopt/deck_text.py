@@ -157,7 +157,7 @@ class Deck:
         if words[0] == "run" and words[1] != "0":
             upto = "$(step)" if "upto" in words else "0"
             return [*lines, _printed(STEPS, f"{words[1]} {upto}"), f"@granchain-run: {' '.join(words)}@"]
-        return [*lines, text]
+        return [*lines, " ".join(damped_wall(words)) or text]
 
 
 _RUN = re.compile(r"^@granchain-run: (.*)@$", re.MULTILINE)
@@ -207,6 +207,17 @@ def logical_lines(text: str) -> Iterator[tuple[int, str]]:
             yield first, command.replace("\n", " ") if '"""' not in command else command
     if parts and "".join(parts).strip():
         yield first, " ".join(parts)
+
+
+def damped_wall(words: list[str]) -> list[str]:
+    """Words of a `fix wall/gran` whose gamma_n is 0, by which LAMMPS divides, with one that has no effect; or none."""
+    if words[0] != "fix" or len(words) < 8 or _plain(words[3]) != "wall/gran" or words[4] not in _DIVIDING_WALLS:
+        return []
+    return [*words[:7], "1e-30", *words[8:]] if re.fullmatch(r"0+\.?0*|0*\.0+", words[7]) else []
+
+
+_DIVIDING_WALLS = ("hooke", "hooke/history", "hertz/history")
+"""Laws of `fix wall/gran` whose coefficients follow as in older releases."""
 
 
 def _plain(style: str) -> str:

@@ -13,7 +13,7 @@ All quantities are in the deck's units; positions and forces are those along the
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -169,20 +169,36 @@ def measure(lmp: Any) -> Measured:
     for name in moves:  # beside them the number of the step may not be changed
         lmp.command(f"unfix {name}")
     timestep = float(lmp.extract_global("dt"))
-    free = atoms.moved_by_a_step(axis) & ~driven
+    mobility = Mobility(driven, atoms.moved_by_a_step(axis), _pushed(atoms, axis, chains))
 
     def bench() -> Measured:
-        return _Bench(atoms, axis, chains, [replace(part) for part in inner], driven, free).measured(timestep)
+        return _Bench(atoms, axis, chains, [replace(part) for part in inner], mobility).measured(timestep)
 
     try:
         measured = bench()
     except NotMeasuredError:
-        place = _reference(atoms, axis, chains, inner, free)
+        place = _reference(atoms, axis, chains, inner, mobility.free)
         if place is None or np.array_equal(place, atoms.place[:, axis]):
             raise
         atoms.place[:, axis] = place
         measured = bench()
     return replace(measured, first_step=first_step)
+
+
+def _pushed(atoms: Atoms, axis: int, chains: Integers) -> NDArray[np.bool_]:
+    """Whether any force acts on an atom while neighbours are pressed together, [atom]."""
+    place, radius = atoms.place[chains, axis], atoms.radius[chains]
+    overlap = radius[:, :-1] + radius[:, 1:] - np.diff(place, axis=1)
+    distance = np.maximum(-overlap, 0.0) + SMALL * float(np.min(radius))
+    pushed = np.ones(len(atoms.ids), dtype=bool)
+    pushed[chains] = False
+    for parity in (0, 1):
+        closed = np.where(np.arange(overlap.shape[1]) % 2 == parity, distance, 0.0)
+        displacement = np.zeros(len(atoms.ids))
+        displacement[chains[:, :-1]] += 0.5 * closed
+        displacement[chains[:, 1:]] -= 0.5 * closed
+        pushed |= atoms.forces(axis, displacement) != 0.0
+    return pushed
 
 
 def _reference(atoms: Atoms, axis: int, chains: Integers, inner: list[Inner], free: NDArray[np.bool_]) -> Floats | None:
@@ -220,20 +236,31 @@ def _refuse_ring(lmp: Any, atoms: Atoms, axis: int, chains: Integers) -> None:
         )
 
 
+@dataclass(frozen=True)
+class Mobility:
+    """What moves atoms, each [atom].
+
+    Attributes:
+        driven: whether LAMMPS moves an atom along a given path.
+        integrated: whether its velocity moves it.
+        pushed: whether forces change its velocity.
+    """
+
+    driven: NDArray[np.bool_]
+    integrated: NDArray[np.bool_]
+    pushed: NDArray[np.bool_]
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Whether forces move an atom."""
+        return self.integrated & self.pushed & ~self.driven
+
+
 class _Bench:
     """The patterns of displacements and velocities, and what follows from the forces."""
 
-    def __init__(
-        self,
-        atoms: Atoms,
-        axis: int,
-        chains: Integers,
-        inner: list[Inner],
-        driven: NDArray[np.bool_],
-        free: NDArray[np.bool_],
-    ) -> None:
-        self.atoms, self.axis, self.chains, self.inner = atoms, axis, chains, inner
-        self.driven, self.free = driven, free
+    def __init__(self, atoms: Atoms, axis: int, chains: Integers, inner: list[Inner], mobility: Mobility) -> None:
+        self.atoms, self.axis, self.chains, self.inner, self.mobility = atoms, axis, chains, inner, mobility
         self.rows = np.full(len(atoms.ids), -1)
         self.chain_of = np.full(len(atoms.ids), -1)
         for number, line in enumerate(chains):
@@ -247,7 +274,7 @@ class _Bench:
         self.overlap = radius[:, :-1] + radius[:, 1:] - np.diff(place, axis=1)
         farthest = max(float(np.max(np.abs(places))) for places in (atoms.place, atoms.start))
         self.touching = 8.0 * float(np.finfo(float).eps) * farthest
-        self.speed = float(np.max(np.abs(atoms.velocity[~driven]), initial=0.0))
+        self.speed = float(np.max(np.abs(atoms.velocity[~mobility.driven]), initial=0.0))
 
     def measured(self, timestep: float) -> Measured:
         """All forces, each of which must be one that a scene has."""
@@ -299,7 +326,7 @@ class _Bench:
         )
         self._measure_inner()
         self._measure_dashpots(result)
-        result.held, result.driven = self._held(strength)
+        result.held, result.driven = self._held()
         result.velocity[result.driven] = 0.0
         self._forget_forces_on_driven(result)
         if not (acceleration or np.any(result.driven) or np.any(result.velocity) or np.any(result.displacement)):
@@ -317,11 +344,13 @@ class _Bench:
         free[self.chains[held]] = 0.0
         gap = max(0.0, -float(np.min(self.overlap)))
         patterns = [
-            ("pairs", self._pattern(parity, self._base + level * self.small))
+            ("pairs", self._closed(parity, level))
             for parity in (0, 1)
             for level in (LEVELS[0], LEVELS[2])
         ]
-        patterns += [("walls", np.full(len(self.rows), sign * (gap + self.small))) for sign in (-1.0, 1.0)]
+        for sign, side in ((-1.0, "left"), (1.0, "right")):
+            distance = min(gap + self.small, self._way_to_face(side))
+            patterns.append(("walls", np.full(len(self.rows), sign * distance)))
         patterns += [("chain", self.small * (self.chain_of == chain)) for chain in range(len(self.chains))]
         for name, displacement in patterns:
             for rate in (0.0, self.speed, -self.speed):
@@ -380,9 +409,24 @@ class _Bench:
         """Displacements that close every other contact by a distance and open the others by as much, [atom]."""
         return np.where(self.rows % 2 == parity, 0.5, -0.5) * distance
 
+    def _closed(self, parity: int, level: float) -> Floats:
+        """Displacements that close every other contact until it overlaps by a level more than at rest, [atom]."""
+        gaps = np.where(np.arange(self.overlap.shape[1]) % 2 == parity, self._gaps, 0.0)
+        rows = 0.5 * (np.append(gaps, 0.0) - np.append(0.0, gaps))
+        return self._pattern(parity, self._base + level * self.small) + np.where(self.rows < 0, 0.0, rows[self.rows])
+
     @property
     def _base(self) -> float:
-        return float(np.max(np.abs(self.overlap)))
+        return max(0.0, float(np.max(self.overlap)))
+
+    @property
+    def _gaps(self) -> Floats:
+        """Largest gap of a contact in any chain, [contact]."""
+        return np.asarray(np.max(np.maximum(-self.overlap, 0.0), axis=0))
+
+    def _overlaps(self, level: float) -> Floats:
+        """Overlaps of closed contacts, [chain, contact]."""
+        return np.asarray(self.overlap + self._gaps + self._base + level * self.small)
 
     def _alternating(self, level: float, rate: float = 0.0) -> tuple[Floats, Floats]:
         """Forces of all contacts on the lower and the upper bead of each, [chain, contact], closed by a level.
@@ -391,8 +435,7 @@ class _Bench:
         """
         lower, upper = np.zeros(self.overlap.shape), np.zeros(self.overlap.shape)
         for parity in (0, 1):
-            distance = self._base + level * self.small
-            displacement = self._pattern(parity, distance)
+            displacement = self._closed(parity, level)
             velocity = self._pattern(parity, rate)
             force = self._moved(displacement, velocity) - self._ground(displacement)
             force = force[self.chains]
@@ -412,7 +455,7 @@ class _Bench:
         weak, medium, strong = (self._alternating(level) for level in LEVELS)
         first = self._of_contacts((medium[0] - weak[0], medium[1] - weak[1]))
         second = self._of_contacts((strong[0] - medium[0], strong[1] - medium[1]))
-        overlaps = [self.overlap + self._base + level * self.small for level in LEVELS]
+        overlaps = [self._overlaps(level) for level in LEVELS]
         largest = float(np.max(np.abs(first)))
         if not largest > 0.0:
             raise NotMeasuredError("neighbouring beads do not push each other where they overlap", *_CONTACTS)
@@ -457,14 +500,14 @@ class _Bench:
         Raises:
             NotMeasuredError: forces on beads at rest are neither those of an equilibrium nor weights alone.
         """
-        force = np.where(self.free, self.rest, 0.0)
+        force = np.where(self.mobility.free, self.rest, 0.0)
         load = float(np.max(strength * np.maximum(self.overlap, 0.0) ** exponent))
         energy = float(np.median(self.atoms.mass)) * self.speed**2
         impact = energy ** (exponent / (exponent + 1.0)) * float(np.max(strength)) ** (1.0 / (exponent + 1.0))
         least = self.noise + UNBALANCED * max(load, impact)
         if np.max(np.abs(force)) <= least:
             return 0.0
-        falls = reference_places.acceleration(force, self.atoms.mass, self.noise)
+        falls = reference_places.acceleration(force, self.atoms.mass, self.mobility.free, self.noise)
         if falls is None or np.max(self.overlap) > self.touching or np.any(self.linear) or np.any(self.cubic):
             raise NotMeasuredError(f"beads are not in equilibrium at the start ({self._why})", *PLACES, *_FORCES)
         return falls
@@ -472,7 +515,7 @@ class _Bench:
     @property
     def _why(self) -> str:
         """Largest force on a bead at rest, and what a scene has for it."""
-        place = int(np.argmax(np.abs(np.where(self.free, self.rest, 0.0))))
+        place = int(np.argmax(np.abs(np.where(self.mobility.free, self.rest, 0.0))))
         return (
             f"force {self.rest[place]:.6g} on atom {self.atoms.ids[place]}, and no equilibrium was found near it; "
             "supported: an equilibrium, displacements from one (`initial`), beads apart that fall alike "
@@ -520,7 +563,7 @@ class _Bench:
         if np.any(np.abs(again - strong) > 1e-5 * np.max(strong)) or np.any(strong < 0.0):
             raise NotMeasuredError("the damping of a contact is not proportional to its velocity", *_CONTACTS)
         result.dashpot = np.stack([weak, strong])
-        result.dashpot_overlap = np.stack([self.overlap + self._base + level * self.small for level in (1.0, 4.0)])
+        result.dashpot_overlap = np.stack([self._overlaps(level) for level in (1.0, 4.0)])
         elastic = result.strength * result.dashpot_overlap[0] ** result.exponent
         fast = 4.0 * float(np.max(elastic / np.where(weak > 0.0, weak, np.inf)))
         result.cut = bool(np.all(np.abs(resistance(LEVELS[0], -fast) * fast) <= elastic * (1.0 + 1e-5)))
@@ -578,14 +621,15 @@ class _Bench:
         gap, pressed = max(0.0, -float(np.min(self.overlap))), float(np.max(self.overlap)) > self.touching
         steps = [gap + level * self.small for level in LEVELS]
         for side in ("left", "right"):
-            if np.all(self.driven[self.chains[:, 0 if side == "left" else -1]]):
+            if np.all(self.mobility.driven[self.chains[:, 0 if side == "left" else -1]]):
                 continue
 
             def push(distance: float, speed: float, side: str = side) -> Floats:
                 """Force of the wall on the bead before it, [chain]."""
                 return self._push_of_wall(side, distance, speed)
 
-            forces = np.array([push(step, 0.0) for step in steps])
+            inside = steps[-1] < self._way_to_face(side)
+            forces = np.array([push(step, 0.0) for step in steps]) if inside else np.zeros((1, 1))
             try:
                 if np.max(forces) > self._noise_at(steps[-1]):
                     constants = np.array([_wall(values, steps, gap, exponent) for values in forces.T.tolist()])
@@ -636,22 +680,16 @@ class _Bench:
                     TIME,
                 )
 
-    def _held(self, strength: Floats) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    def _held(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """Whether a bead never moves, [chain, bead], and whether its motion is given, whatever acts on it."""
-        displacement = self._pattern(0, self._base + self.small), self._pattern(1, self._base + self.small)
-        forces = np.abs([self._moved(pattern)[self.chains] for pattern in displacement])
-        without_force = np.all(forces == 0.0, axis=0)
-        touched = np.zeros(self.chains.shape, dtype=bool)
-        touched[:, :-1] |= strength > 0.0
-        touched[:, 1:] |= strength > 0.0
-        velocity, driven = self.atoms.velocity[self.chains, self.axis], self.driven[self.chains]
-        moved = self.free[self.chains]
+        mobility, velocity = self.mobility, self.atoms.velocity[self.chains, self.axis]
+        driven, moved = mobility.driven[self.chains], mobility.integrated[self.chains]
         if np.any(velocity[~moved & ~driven]):
             raise NotMeasuredError(
                 "a bead that no `fix nve` moves has a velocity; supported: beads that are held, or moved by `fix move`",
                 "velocity",
             )
-        constant = moved & without_force & touched
+        constant = moved & ~mobility.pushed[self.chains]
         driven = driven | (constant & (velocity != 0.0))
         if np.all(driven | ~moved | constant):
             raise NotMeasuredError(

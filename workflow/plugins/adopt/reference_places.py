@@ -39,7 +39,7 @@ class Lines:
         mass: [atom].
         lines: atoms of each chain, then of those inside beads, [line, row]; -1 where there is none.
         radius: radii of the beads, [chain, bead].
-        free: whether an integrator moves an atom, and no motion is given, [atom].
+        free: whether forces move an atom, [atom].
         limits: lowest and highest place that an atom can have.
     """
 
@@ -61,18 +61,18 @@ class Lines:
         return np.where(self.free, self.forces(place - self.start), 0.0)
 
 
-def acceleration(force: Floats, mass: Floats, least: float) -> float | None:
-    """Acceleration that all atoms have on which a force acts, 0 without forces; None where it differs.
+def acceleration(force: Floats, mass: Floats, free: Bools, least: float) -> float | None:
+    """Acceleration that all free atoms have, 0 without forces; None where it differs.
 
     Args:
         force: [atom].
         mass: [atom].
+        free: [atom].
         least: force that is rounding.
     """
-    moved = np.abs(force) > least
-    if not np.any(moved):
+    if np.max(np.abs(force)) <= least:
         return 0.0
-    each = force[moved] / mass[moved]
+    each = force[free] / mass[free]
     return float(np.mean(each)) if np.ptp(each) <= ROUNDED * np.max(np.abs(each)) + least / np.min(mass) else None
 
 
@@ -81,7 +81,7 @@ def reference(lines: Lines) -> Floats | None:
     least = ROUNDED * float(np.max(np.abs(lines.at(lines.start))))
     opened = {}
     for place in _opened(lines):
-        opened.setdefault(acceleration(lines.at(place), lines.mass, least), place)
+        opened.setdefault(acceleration(lines.at(place), lines.mass, lines.free, least), place)
     if 0.0 in opened:
         return opened.pop(0.0)
     falling = next((place for each, place in opened.items() if each is not None), None)
