@@ -15,7 +15,7 @@ from workflow.plugins.adopt import differences, evaluate
 from workflow.plugins.adopt.chains import TIME, Measured, NotMeasuredError
 from workflow.plugins.adopt.deck_text import FIXES_WITHOUT_EFFECT, WITHOUT_EFFECT, Command, Deck, damped_wall, words_of
 from workflow.plugins.adopt.evaluate import Executed, Workplace
-from workflow.plugins.adopt.measure import MOVES
+from workflow.plugins.adopt.measure import START
 from workflow.plugins.adopt.motions import RECORDED, GivenMotion
 from workflow.plugins.adopt.scene_of import SceneKeys
 from workflow.plugins.adopt.walls_at_gap import with_other_walls
@@ -106,8 +106,11 @@ def _measured(workplace: Workplace, executed: Executed, path: Path, first: int, 
         NotMeasuredError: no scene is like it.
         InputError: LAMMPS does not execute the deck.
     """
-    moves = " ".join(words_of(command.text)[1] for command in executed.commands if command.style == "fix move")
-    names = f'variable {MOVES} string "- {moves}"\n'
+    moves = " ".join(" ".join(words_of(command.text)[1:3]) for command in executed.commands if command.style == "fix move")
+    relaxed = first > 0 or any(
+        command.style == "minimize" for command in executed.commands[: executed.runs[first][0]]
+    )
+    names = f'variable {START} string "{relaxed:d} {moves}"\n'
     evaluate.refuse_error(workplace.execute("measure", f"{names}{evaluate.STOP}\n", first), path)
     measured = evaluate.measured(workplace, "measure")
     if isinstance(measured, NotMeasuredError):
@@ -127,7 +130,7 @@ def _with_motions(workplace: Workplace, measured: Measured, executed: Executed, 
     run = (
         f"group granchain_driven id {' '.join(map(str, ids))}\n"
         "group granchain_others subtract all granchain_driven\n"
-        f"delete_atoms group granchain_others{bonds}\n"
+        f"delete_atoms group granchain_others{bonds}\nneighbor {np.min(measured.radius):.6g} nsq\n"
         f"{_dumped('granchain_driven', frames, 'id x y z', measured.first_step, every, steps)}quit 0\n"
     )
     recorded = workplace.execute("motions", run, first)
@@ -156,18 +159,18 @@ def _nearest(
 
     Walls that stand elsewhere than the next bead would are part of the scene only if a bead reaches them.
     """
-    scene, keys = _scene_of(measured, executed, path, steps)
-    compared, difference = _beside(workplace, scene, keys.measured, steps, first)
-    if not difference <= AGREE + drag_error(scene) and measured.other_walls:
-        try:
-            other, other_keys = _scene_of(with_other_walls(measured), executed, path, steps)
-        except NotMeasuredError:
+    try:
+        scene, keys = _scene_of(measured, executed, path, steps)
+        compared, difference = _beside(workplace, scene, keys.measured, steps, first)
+        if difference <= AGREE + drag_error(scene) or not measured.other_walls:
             return scene, keys, compared, difference
-        shutil.rmtree(workplace.folder / "scene")
-        shutil.rmtree(workplace.folder / "beside")
-        compared, difference = _beside(workplace, other, other_keys.measured, steps, first)
-        return other, other_keys, compared, difference
-    return scene, keys, compared, difference
+    except InputError:
+        if not measured.other_walls:
+            raise
+    for name in ("scene", "beside"):
+        shutil.rmtree(workplace.folder / name, ignore_errors=True)
+    scene, keys = _scene_of(with_other_walls(measured), executed, path, steps)
+    return scene, keys, *_beside(workplace, scene, keys.measured, steps, first)
 
 
 def _refuse_other_motion(measured: Measured, scene: Scene, executed: Executed, path: Path, apart: str) -> NoReturn:

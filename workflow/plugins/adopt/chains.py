@@ -123,6 +123,7 @@ class Measured:
         timestep: time step.
         probes: forces by which a scene is compared with the deck.
         first_step: number of the step at the start.
+        relaxed: whether earlier runs, or a minimisation, left the beads as they are at the start.
         direction: 1 where beads are counted along the axis, -1 where against it.
         wall_atoms: "left" or "right" -> numbers of the held atoms that are the wall, [chain].
         motions: chain and bead, from 0 -> motion of a driven bead.
@@ -156,6 +157,7 @@ class Measured:
     timestep: float
     probes: list[ForceProbe] = field(default_factory=list)
     first_step: int = 0
+    relaxed: bool = False
     direction: float = 1.0
     wall_atoms: dict[str, Integers] = field(default_factory=dict)
     motions: dict[tuple[int, int], GivenMotion] = field(default_factory=dict)

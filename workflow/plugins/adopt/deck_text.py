@@ -155,7 +155,7 @@ class Deck:
         if command.refusal or words[0] in WITHOUT_EFFECT or _writes_only(words):
             return lines
         if words[0] == "run" and words[1] != "0":
-            upto = "$(step)" if "upto" in words else "0"
+            upto = "$(step)" if "upto" in words else "-"
             return [*lines, _printed(STEPS, f"{words[1]} {upto}"), f"@granchain-run: {' '.join(words)}@"]
         return [*lines, " ".join(damped_wall(words)) or text]
 
@@ -305,6 +305,8 @@ def _fix(rest: list[str]) -> str:
     style, options = _plain(rest[2]), rest[3:]
     if style == "move":
         motion = options[0] if options else ""
+        if "$" in rest[0] + rest[1]:
+            return "its name or its group is a variable; write it out"
         return "" if motion in MOTIONS else _supported("motion", tuple(f"move {name}" for name in MOTIONS))
     if style == "property/global":
         key = _LIGGGHTS_PROPERTIES.get(options[0] if options else "", "a scene has `material`, `contact` and `damping`")

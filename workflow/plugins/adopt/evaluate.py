@@ -139,8 +139,10 @@ def _executed(deck: Deck, log: Path, error: str) -> Executed:
             following = int(number) + 1
             commands.append(deck.commands[following - 1])
         elif steps is not None:
-            done = sum(count for _, count in runs) if before != "0" else 0  # the copy makes no steps
-            runs.append((len(commands) - 1, max(0, round(float(steps)) - round(float(before)) - done)))
+            done = 0  # up to a step; the copy makes none
+            if before != "-":
+                done = round(float(before)) + sum(count for _, count in runs)
+            runs.append((len(commands) - 1, max(0, round(float(steps)) - done)))
         else:
             every.append(round(float(between)))
     return Executed(commands, runs, every, deck.commands[following:], error)

@@ -108,24 +108,23 @@ class Atoms:
 
     def moved_by_a_step(self, axis: int) -> NDArray[np.bool_]:
         """Whether the integrators move an atom, [atom]."""
-        speed = np.zeros_like(self.place)
-        speed[:, axis] = 1e-6 * np.min(self.radius) / self._lmp.extract_global("dt")
-        self._put(self.place, speed)
-        self._lmp.command("run 1 post no")
-        moved = self._sorted("x")[:, axis] != self.place[:, axis]
-        return np.asarray(moved)
-
-    def prescribed(self, axis: int) -> NDArray[np.bool_]:
-        """Whether LAMMPS moves an atom along a given path, wherever it was before the step, [atom]."""
-        apart = 1e-3 * float(np.min(self.radius))
-        after = []
-        for displacement in (0.0, apart, 0.0):
-            place = self.place.copy()
-            place[:, axis] += displacement
-            self._put(place, np.zeros_like(place))
+        moved = np.zeros(len(self.ids), dtype=bool)
+        for share in (1e-6, -3e-6):  # a force may just undo one of them
+            speed = np.zeros_like(self.place)
+            speed[:, axis] = share * np.min(self.radius) / self._lmp.extract_global("dt")
+            self._put(self.place, speed)
             self._lmp.command("run 1 post no")
-            after.append(self._sorted("x")[:, axis])
-        return np.asarray(np.abs(after[0] - 2.0 * after[1] + after[2]) < apart)
+            moved |= self._sorted("x")[:, axis] != self.place[:, axis]
+        return moved
+
+    def members(self, groups: list[str]) -> NDArray[np.bool_]:
+        """Whether an atom belongs to one of some groups, [atom]."""
+        members = np.zeros(len(self.ids), dtype=bool)
+        for group in groups:
+            self._lmp.command(f"variable granchain_member atom gmask({group})")
+            inside = np.array(self._lmp.extract_variable("granchain_member", "all", 1)[: len(self.ids)])
+            members |= inside[np.argsort(self._now("id"))] != 0.0
+        return members
 
     def box(self, axis: int) -> tuple[float, float, bool]:
         """Lower and upper face of the box along an axis, and whether it is periodic or follows the atoms."""
@@ -150,8 +149,8 @@ class Atoms:
             self._lmp.numpy.extract_atom(name)[:count] = values[of_atom]
 
 
-MOVES = "granchain_moves"
-"""Variable of LAMMPS with the names of all `fix move`, behind a dash."""
+START = "granchain_start"
+"""Variable of LAMMPS: whether beads come from a relaxation (0 or 1), then name and group of each `fix move`."""
 
 
 def measure(lmp: Any) -> Measured:
@@ -164,25 +163,27 @@ def measure(lmp: Any) -> Measured:
     atoms = Atoms(lmp)
     axis, chains, inner = arrange(atoms.place, atoms.radius, atoms.mass, _bonds(lmp, atoms.ids))
     _refuse_ring(lmp, atoms, axis, chains)
-    moves = [name for name in str(lmp.extract_variable(MOVES)).split()[1:] if name in lmp.available_ids("fix")]
-    driven = atoms.prescribed(axis) if moves else np.zeros(len(atoms.ids), dtype=bool)
+    relaxed, *names = str(lmp.extract_variable(START)).split()
+    moves = {name: group for name, group in zip(names[::2], names[1::2], strict=True) if name in lmp.available_ids("fix")}
+    driven = atoms.members(list(moves.values()))
     for name in moves:  # beside them the number of the step may not be changed
         lmp.command(f"unfix {name}")
     timestep = float(lmp.extract_global("dt"))
     mobility = Mobility(driven, atoms.moved_by_a_step(axis), _pushed(atoms, axis, chains))
 
-    def bench() -> Measured:
-        return _Bench(atoms, axis, chains, [replace(part) for part in inner], mobility).measured(timestep)
+    def bench(unbalanced: float) -> Measured:
+        parts = [replace(part) for part in inner]
+        return _Bench(atoms, axis, chains, parts, mobility).measured(timestep, unbalanced)
 
     try:
-        measured = bench()
+        measured = bench(0.0 if relaxed == "1" else UNBALANCED)
     except NotMeasuredError:
         place = _reference(atoms, axis, chains, inner, mobility.free)
         if place is None or np.array_equal(place, atoms.place[:, axis]):
             raise
         atoms.place[:, axis] = place
-        measured = bench()
-    return replace(measured, first_step=first_step)
+        measured = bench(UNBALANCED)
+    return replace(measured, first_step=first_step, relaxed=relaxed == "1")
 
 
 def _pushed(atoms: Atoms, axis: int, chains: Integers) -> NDArray[np.bool_]:
@@ -276,8 +277,13 @@ class _Bench:
         self.touching = 8.0 * float(np.finfo(float).eps) * farthest
         self.speed = float(np.max(np.abs(atoms.velocity[~mobility.driven]), initial=0.0))
 
-    def measured(self, timestep: float) -> Measured:
-        """All forces, each of which must be one that a scene has."""
+    def measured(self, timestep: float, unbalanced: float) -> Measured:
+        """All forces, each of which must be one that a scene has.
+
+        Args:
+            timestep: time step.
+            unbalanced: force on a bead at rest that is none, relative to static loads, or to the force of an impact.
+        """
         atoms, chains, axis = self.atoms, self.chains, self.axis
         across = np.delete(np.abs(atoms.velocity), axis, axis=1)
         if np.any(across):
@@ -291,7 +297,7 @@ class _Bench:
         self.rest = atoms.forces(axis)
         self._measure_foundation()
         strength, exponent = self._measure_contacts()
-        acceleration = self._acceleration(strength, exponent)
+        acceleration = self._acceleration(strength, exponent, unbalanced)
         if self.speed == 0.0:  # dashpots are measured at some velocity
             self.speed = math.sqrt(float(np.max(strength)) * self.small ** (exponent + 1.0) / float(np.max(atoms.mass)))
         drag = self._measure_drag()
@@ -494,7 +500,7 @@ class _Bench:
         if np.any(~held & (np.abs(between) > 100.0 * AGREE * self.contact_force)):
             raise NotMeasuredError("beads that are apart act on each other; supported: contacts that touch", *_CONTACTS)
 
-    def _acceleration(self, strength: Floats, exponent: float) -> float:
+    def _acceleration(self, strength: Floats, exponent: float, unbalanced: float) -> float:
         """Acceleration of all beads, which fall; 0 in equilibrium.
 
         Raises:
@@ -504,7 +510,7 @@ class _Bench:
         load = float(np.max(strength * np.maximum(self.overlap, 0.0) ** exponent))
         energy = float(np.median(self.atoms.mass)) * self.speed**2
         impact = energy ** (exponent / (exponent + 1.0)) * float(np.max(strength)) ** (1.0 / (exponent + 1.0))
-        least = self.noise + UNBALANCED * max(load, impact)
+        least = self.noise + unbalanced * max(load, impact)
         if np.max(np.abs(force)) <= least:
             return 0.0
         falls = reference_places.acceleration(force, self.atoms.mass, self.mobility.free, self.noise)
@@ -675,8 +681,8 @@ class _Bench:
             force = self._moved(self.small)
             if np.any(np.abs(force - before) > ROUNDED * np.max(np.abs(before))):
                 raise NotMeasuredError(
-                    "a force depends on the time, which is not read; write `push`, `drive` or `foundation` into a "
-                    "scene of your own",
+                    "a force depends on the time, which is not read; write `push`, `drive` (a wall that moves is a bead "
+                    "at the end with one) or `foundation` into a scene of your own",
                     TIME,
                 )
 

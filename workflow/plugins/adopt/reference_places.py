@@ -88,8 +88,9 @@ def reference(lines: Lines) -> Floats | None:
     pressed = bool(np.all(lines.overlaps(lines.start) > 0.0))
     if falling is not None and not pressed:
         return falling
-    place = _equilibrium(lines)
-    at_rest = float(np.max(np.abs(lines.at(place)))) <= 100.0 * least
+    place, stiffest = _equilibrium(lines)
+    rounding = stiffest * float(np.finfo(float).eps * np.max(np.abs([place, lines.start])))
+    at_rest = float(np.max(np.abs(lines.at(place)))) <= 100.0 * max(least, rounding)
     return place if at_rest else falling
 
 
@@ -108,11 +109,11 @@ def _opened(lines: Lines) -> Iterator[Floats]:
                 yield place
 
 
-def _equilibrium(lines: Lines) -> Floats:
-    """Places at which forces are least, by Newton's method from the start."""
+def _equilibrium(lines: Lines) -> tuple[Floats, float]:
+    """Places at which forces are least, by Newton's method from the start, and the largest stiffness there."""
     place = best = lines.start.copy()
     width = float(np.min(lines.radius))
-    smallest, since, move = np.inf, 0, 1e-6 * width
+    smallest, since, move, stiffest = np.inf, 0, 1e-6 * width, 0.0
     for _ in range(MOST_STEPS):
         force = lines.at(place)
         size = float(np.max(np.abs(force)))
@@ -128,7 +129,7 @@ def _equilibrium(lines: Lines) -> Floats:
         step = spsolve((matrix + WEAK * stiffest * sparse.identity(len(place))).tocsc(), force)
         after = np.clip(place + step, *lines.limits)
         place, move = after, max(float(np.max(np.abs(after - place))), 1e-15 * width)
-    return best
+    return best, stiffest
 
 
 def _stiffness(lines: Lines, place: Floats, force: Floats, step: float) -> sparse.csr_matrix:

@@ -22,6 +22,9 @@ Floats = NDArray[np.float64]
 NEGLIGIBLE = 1e-6
 """Distances in units of L, and forces in units of m V / T, that are none."""
 
+SETTLED = 1e-5
+"""Velocities in units of V, and displacements of as much energy, that a relaxation leaves and that do not matter."""
+
 MOST_ENTRIES = 5
 """Beads with displacements that are entries of `initial`; more are a table."""
 
@@ -420,7 +423,9 @@ class SceneKeys:
 
     def _start(self) -> dict[str, Any]:
         """Velocities and displacements at the start: key `initial` if there are displacements, else `kick`."""
-        x, velocity = self.measured.displacement, self.measured.velocity
+        x, velocity = self._displacement, self.measured.velocity
+        if self.measured.relaxed:
+            x, velocity = self._without_rest(x, velocity)
         if not np.any(x):
             kicks = [
                 {"chain": int(chain) + 1, "bead": int(bead) + 1, "velocity": tidy(float(velocity[chain, bead]))}
@@ -436,6 +441,32 @@ class SceneKeys:
         names = ("chain", "bead", "displacement", "velocity")
         entries = [{name: value for name, value in zip(names, row, strict=True) if value} for row in rows]
         return {"initial": entries[0] if len(entries) == 1 else entries}
+
+    @property
+    def _displacement(self) -> Floats:
+        """Displacements at the start; where nothing holds the beads in their places, such that most beads have none."""
+        measured, x = self.measured, self.measured.displacement
+        if not (np.any(measured.foundation) or measured.walls or measured.motions or measured.inner):
+            middle = np.sort(np.ravel(x))[x.size // 2]
+            if np.count_nonzero(np.abs(x - middle) <= measured.rounding) > x.size // 2:
+                x = x - middle
+        return np.where(np.abs(x) <= measured.rounding, 0.0, x)
+
+    def _without_rest(self, x: Floats, velocity: Floats) -> tuple[Floats, Floats]:
+        """Displacements and velocities without those that a relaxation has left, too small to matter."""
+        measured, fastest = self.measured, self._speed()
+        rest = np.maximum(measured.overlap, 0.0)
+        stiffest = float(np.max(measured.exponent * measured.strength * rest ** (measured.exponent - 1.0)))
+        farthest = min(self.scale.length, fastest * math.sqrt(self.mass / stiffest) if stiffest else math.inf)
+        slow, near = np.abs(velocity) <= SETTLED * fastest, np.abs(x) <= SETTLED * farthest
+        small = slow & near
+        if np.any(small & ((x != 0.0) | (velocity != 0.0))):
+            self.notes.append(
+                f"what the relaxation leaves of {np.count_nonzero(small)} beads, at most "
+                f"{np.max(np.abs(velocity[small])):.1e} of velocity and {np.max(np.abs(x[small])):.1e} of displacement, is "
+                "left out"
+            )
+        return np.where(near, 0.0, x), np.where(small, 0.0, velocity)
 
     def _drives(self) -> dict[str, Any]:
         """Motions of beads that are given."""
