@@ -71,9 +71,7 @@ def test_what_a_chain_needs_is_not_refused(command: str) -> None:
 
 def test_the_copy_marks_every_command_and_lacks_those_that_write(tmp_path: Path) -> None:
     deck = tmp_path / "in.chain"
-    deck.write_text(
-        "units lj\ndump 1 all custom ${n} f x\nshell rm -rf .\nrerun dump x\ninclude more\nrun 5\nrun 0\n"
-    )
+    deck.write_text("units lj\ndump 1 all custom ${n} f x\nshell rm -rf .\nrerun dump x\ninclude more\nrun 5\nrun 0\n")
     (tmp_path / "more").write_text("write_data out\ntimestep 0.1\n")
     copies = tmp_path / "copies"
     copies.mkdir()

@@ -106,10 +106,10 @@ def _measured(workplace: Workplace, executed: Executed, path: Path, first: int, 
         NotMeasuredError: no scene is like it.
         InputError: LAMMPS does not execute the deck.
     """
-    moves = " ".join(" ".join(words_of(command.text)[1:3]) for command in executed.commands if command.style == "fix move")
-    relaxed = first > 0 or any(
-        command.style == "minimize" for command in executed.commands[: executed.runs[first][0]]
+    moves = " ".join(
+        " ".join(words_of(command.text)[1:3]) for command in executed.commands if command.style == "fix move"
     )
+    relaxed = first > 0 or any(command.style == "minimize" for command in executed.commands[: executed.runs[first][0]])
     names = f'variable {START} string "{relaxed:d} {moves}"\n'
     evaluate.refuse_error(workplace.execute("measure", f"{names}{evaluate.STOP}\n", first), path)
     measured = evaluate.measured(workplace, "measure")
@@ -121,7 +121,10 @@ def _measured(workplace: Workplace, executed: Executed, path: Path, first: int, 
 
 
 def _with_motions(workplace: Workplace, measured: Measured, executed: Executed, first: int, steps: int) -> Measured:
-    """Record the motions of driven beads, in a run without the others; those that do not move are held."""
+    """Record the motions of driven beads, in a run without the others; those that do not move are held.
+
+    The record is longer than the run, as a bead with a table is at rest behind its last point.
+    """
     driven = np.argwhere(measured.driven)
     ids = measured.ids[measured.driven]
     every = max(1, steps // RECORDED)
@@ -131,7 +134,7 @@ def _with_motions(workplace: Workplace, measured: Measured, executed: Executed, 
         f"group granchain_driven id {' '.join(map(str, ids))}\n"
         "group granchain_others subtract all granchain_driven\n"
         f"delete_atoms group granchain_others{bonds}\nneighbor {np.min(measured.radius):.6g} nsq\n"
-        f"{_dumped('granchain_driven', frames, 'id x y z', measured.first_step, every, steps)}quit 0\n"
+        f"{_dumped('granchain_driven', frames, 'id x y z', measured.first_step, every, steps + every)}quit 0\n"
     )
     recorded = workplace.execute("motions", run, first)
     if recorded.error:

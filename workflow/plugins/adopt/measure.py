@@ -32,7 +32,7 @@ from workflow.plugins.adopt.chains import (
     NotMeasuredError,
     arrange,
 )
-from workflow.plugins.adopt.wall_laws import Reach, WallLaw, wall_dashpot, wall_law
+from workflow.plugins.adopt.wall_laws import MOST_DISTANCES, Reach, WallLaw, wall_dashpot, wall_law
 
 LEVELS = (1.0, 2.0, 4.0)
 """Overlaps or displacements of a pattern, in units of the first."""
@@ -164,7 +164,9 @@ def measure(lmp: Any) -> Measured:
     axis, chains, inner = arrange(atoms.place, atoms.radius, atoms.mass, _bonds(lmp, atoms.ids))
     _refuse_ring(lmp, atoms, axis, chains)
     relaxed, *names = str(lmp.extract_variable(START)).split()
-    moves = {name: group for name, group in zip(names[::2], names[1::2], strict=True) if name in lmp.available_ids("fix")}
+    moves = {
+        name: group for name, group in zip(names[::2], names[1::2], strict=True) if name in lmp.available_ids("fix")
+    }
     driven = atoms.members(list(moves.values()))
     for name in moves:  # beside them the number of the step may not be changed
         lmp.command(f"unfix {name}")
@@ -349,11 +351,7 @@ class _Bench:
         free = np.ones(len(self.rows))
         free[self.chains[held]] = 0.0
         gap = max(0.0, -float(np.min(self.overlap)))
-        patterns = [
-            ("pairs", self._closed(parity, level))
-            for parity in (0, 1)
-            for level in (LEVELS[0], LEVELS[2])
-        ]
+        patterns = [("pairs", self._closed(parity, level)) for parity in (0, 1) for level in (LEVELS[0], LEVELS[2])]
         for sign, side in ((-1.0, "left"), (1.0, "right")):
             distance = min(gap + self.small, self._way_to_face(side))
             patterns.append(("walls", np.full(len(self.rows), sign * distance)))
@@ -666,9 +664,13 @@ class _Bench:
 
     def _way_to_face(self, side: str) -> float:
         """Distance by which all atoms can be moved towards an end without one leaving the box."""
-        low, high, _ = self.atoms.box(self.axis)
         place = self.atoms.place[:, self.axis]
+        self._moved(0.0)
+        low, high, _ = self.atoms.box(self.axis)
         distance = float(np.min(place) - low) if side == "left" else float(high - np.max(place))
+        self._moved(-self.small if side == "left" else self.small)
+        if self.atoms.box(self.axis)[:2] != (low, high):  # the box follows the atoms
+            return MOST_DISTANCES * float(np.min(self.atoms.radius[self.chains]))
         return distance * (1.0 - 1e-9)
 
     # --- what moves, and when -----------------------------------------------------------------------------------------
@@ -715,6 +717,7 @@ class _Bench:
             for (first, second), table in result.coupling.items():
                 if chain in (first, second):
                     table[:, bead] = table[:, like]
+
 
 def _exponent(first: Floats, second: Floats, overlaps: list[Floats]) -> float:
     """Exponent of the power of the overlap whose increases these are, by the contact that pushes hardest."""
