@@ -112,7 +112,7 @@ def _measured(workplace: Workplace, executed: Executed, path: Path, first: int, 
     relaxed = first > 0 or any(command.style == "minimize" for command in executed.commands[: executed.runs[first][0]])
     names = f'variable {START} string "{relaxed:d} {moves}"\n'
     evaluate.refuse_error(workplace.execute("measure", f"{names}{evaluate.STOP}\n", first), path)
-    measured = evaluate.measured(workplace, "measure")
+    measured: Measured | NotMeasuredError = evaluate.measured(workplace, "measure")
     if isinstance(measured, NotMeasuredError):
         raise measured
     if not np.any(measured.driven):
@@ -147,7 +147,7 @@ def _with_motions(workplace: Workplace, measured: Measured, executed: Executed, 
     motions, held = {}, measured.held.copy()
     for (chain, bead), atom in zip(driven.tolist(), ids.tolist(), strict=True):
         path_of_bead = moved[:, int(np.searchsorted(np.sort(ids), atom))]
-        motion = GivenMotion(time, path_of_bead - path_of_bead[0])
+        motion = GivenMotion(time, np.asarray(path_of_bead - path_of_bead[0], dtype=np.float64))
         if motion.none:
             held[chain, bead] = True
         else:

@@ -32,7 +32,8 @@ EXECUTED = _names(
     "atom_modify atom_style bond_coeff bond_style boundary box change_box clear comm_modify compute compute_modify "
     "create_atoms create_bonds create_box delete_atoms delete_bonds dimension displace_atoms fix fix_modify group if "
     "include jump label labelmap lattice mass min_modify min_style minimize neigh_modify neighbor newton next "
-    "pair_coeff pair_modify pair_style quit read_data region replicate reset_atoms reset_timestep run run_style set special_bonds timestep uncompute unfix "
+    "pair_coeff pair_modify pair_style quit read_data region replicate reset_atoms reset_timestep run run_style set "
+    "special_bonds timestep uncompute unfix "
     "units variable velocity"
 )
 """Commands that LAMMPS executes: none of them writes a file or starts a program."""

@@ -683,8 +683,8 @@ class _Bench:
             force = self._moved(self.small)
             if np.any(np.abs(force - before) > ROUNDED * np.max(np.abs(before))):
                 raise NotMeasuredError(
-                    "a force depends on the time, which is not read; write `push`, `drive` (a wall that moves is a bead "
-                    "at the end with one) or `foundation` into a scene of your own",
+                    "a force depends on the time, which is not read; write `push`, `drive` (a wall that moves is a "
+                    "bead at the end with one) or `foundation` into a scene of your own",
                     TIME,
                 )
 

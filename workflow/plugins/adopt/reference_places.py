@@ -79,7 +79,7 @@ def acceleration(force: Floats, mass: Floats, free: Bools, least: float) -> floa
 def reference(lines: Lines) -> Floats | None:
     """Places of all atoms along the chains, [atom], from which displacements are counted; None where there are none."""
     least = ROUNDED * float(np.max(np.abs(lines.at(lines.start))))
-    opened = {}
+    opened: dict[float | None, Floats] = {}
     for place in _opened(lines):
         opened.setdefault(acceleration(lines.at(place), lines.mass, lines.free, least), place)
     if 0.0 in opened:
