@@ -103,10 +103,13 @@ class Formula:
 
     @property
     def first(self) -> tuple[float, float]:
-        """A and p of ``A overlap**p``, as which it begins: 1.5 where it is cut, else 1."""
-        if self.cut:
-            return self(self.way * 1e-20) / 1e-30, 1.5
-        return self.way * self(1e-30j).imag / 1e-30, 1.0
+        """A and p of ``A overlap**p``, as which it begins; p is 1 where it is not cut."""
+        if not self.cut:
+            return self.way * self(1e-30j).imag / 1e-30, 1.0
+        small = 1e-12
+        slope, other = (self(self.way * (s + 1e-30j)).imag / 1e-30 for s in (small, 2.0 * small))
+        p = 1.0 + round(math.log2(other / slope), 6)
+        return slope / (p * small ** (p - 1.0)), p
 
     def scaled(self, unit: Units) -> Any:
         def force(s: Any) -> Any:
