@@ -164,11 +164,13 @@ def at_times(trajectory: Trajectory, times: Floats) -> Trajectory:
     start = np.clip(np.searchsorted(instants, times, side="right") - 2, 0, trajectory.frames - len(_NODES))
     before = np.clip(np.searchsorted(instants, times, side="right") - 1, 0, trajectory.frames - 1)
     x, v = trajectory.atoms
-    data = np.array([(x[start + node], v[start + node]) for node in _NODES])
+    windows, window = np.unique(start, return_inverse=True)  # few, where there are many times between two frames
+    data = np.array([(x[windows + node], v[windows + node]) for node in _NODES])
     polynomials = hermite.coefficients(_NODES, data, float(spacing))
+    slopes = hermite.derivative(polynomials)[:, window]
     s = ((times - instants[start]) / spacing)[:, np.newaxis, np.newaxis] * np.ones(x.shape[1:])
-    velocity = hermite.value(hermite.derivative(polynomials), s) / spacing
-    return trajectory[before].with_motion(times, hermite.value(polynomials, s), velocity)
+    velocity = hermite.value(slopes, s) / spacing
+    return trajectory[before].with_motion(times, hermite.value(polynomials[:, window], s), velocity)
 
 
 def interpolation_error(trajectory: Trajectory) -> tuple[float, float]:

@@ -513,10 +513,12 @@ def _with_resonators(scene: Scene, own: Nature) -> Nature:
     if np.ndim(own.gap):
         wide["gap"] = np.pad(own.gap, more)
     coefficient, power = own.loss
+    over_time = own.stiffness and (lambda time: np.pad(own.stiffness(time), more))
     return replace(
         own,
         mass=np.concatenate(masses),
         **wide,
+        stiffness=over_time,
         ground=tuple(np.pad(part, more) for part in own.ground),
         walls=[
             replace(wall, **{n: np.pad(getattr(wall, n), more[0]) for n in ("strength", "rest", "loss")})

@@ -138,7 +138,7 @@ class Nature:
         """Force of contacts, that at rest and the dashpots' included."""
         closed = np.maximum(self.overlap(x), 0.0)
         if "contact" in self.formulas:
-            return np.asarray(self.formulas["contact"](self.overlap(x)))
+            return np.asarray(self.strength * self.formulas["contact"](self.overlap(x)))
         push = self.strength * _power(closed, self.exponent)
         coefficient, power = self.loss
         if self._has["loss"]:
@@ -149,7 +149,7 @@ class Nature:
         """Force of a wall, [..., chain], that at rest and the dashpots' included."""
         closed = np.maximum(wall.rest + wall.side * x[..., wall.bead] - self.wall_gap, 0.0)
         if "contact" in self.formulas:
-            return np.asarray(self.formulas["contact"](wall.side * x[..., wall.bead] - self.wall_gap))
+            return np.asarray(wall.strength * self.formulas["contact"](wall.side * x[..., wall.bead] - self.wall_gap))
         push = wall.strength * _power(closed, self.exponent)
         if self._has["loss"]:
             loss = np.where(closed > 0.0, wall.loss * closed ** self.loss[1], 0.0)
