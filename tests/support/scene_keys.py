@@ -479,6 +479,7 @@ def nature(scene: Scene) -> Nature:
         pushes=_pushes(scene, unit),
         moved=moved,
         start=start,
+        bed=1.0 if soft is None else _within(soft.rows, scene) + np.zeros_like(mass),
         stiffness=stiffness,
         bends=bends,
         formulas={key: law.scaled(unit) for key, law in laws.items() if law is not None},
@@ -518,6 +519,7 @@ def _with_resonators(scene: Scene, own: Nature) -> Nature:
         own,
         mass=np.concatenate(masses),
         **wide,
+        bed=np.pad(own.bed, more) if np.ndim(own.bed) else own.bed,
         stiffness=over_time,
         ground=tuple(np.pad(part, more) for part in own.ground),
         walls=[
