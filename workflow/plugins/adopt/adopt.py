@@ -245,7 +245,8 @@ def _of_run(executed: Executed, first: int) -> list[str]:
     place, _ = executed.runs[first]
     return [
         f"{executed.commands[place].place}: the scene begins with run {first + 1}, from the state in which the runs "
-        "before leave the beads (key `initial`); a scene of those, and `initial: {run: DIRECTORY}` in one of these, are two"
+        "before leave the beads (key `initial`); for two scenes, write those into one and `initial: {run: DIRECTORY}` "
+        "into this"
     ]
 
 

@@ -194,7 +194,11 @@ def _failed(error: Exception) -> int:
 def explained(error: str) -> str:
     """Message of LAMMPS, with what to do where that is known."""
     lost = error.startswith("Lost atoms")
-    return f"{error}: a bead leaves the box, or passes through a wall; make the box larger, or the run shorter" if lost else error
+    return (
+        f"{error}: a bead leaves the box, or passes through a wall; make the box larger, or the run shorter"
+        if lost
+        else error
+    )
 
 
 def refuse_error(executed: Executed, path: Path) -> None:
