@@ -147,7 +147,9 @@ def _with_motions(workplace: Workplace, measured: Measured, executed: Executed, 
     motions, held = {}, measured.held.copy()
     for (chain, bead), atom in zip(driven.tolist(), ids.tolist(), strict=True):
         path_of_bead = moved[:, int(np.searchsorted(np.sort(ids), atom))]
-        motion = GivenMotion(time, np.asarray(path_of_bead - path_of_bead[0], dtype=np.float64))
+        motion = GivenMotion(
+            np.asarray(time, dtype=np.float64), np.asarray(path_of_bead - path_of_bead[0], dtype=np.float64)
+        )
         if motion.none:
             held[chain, bead] = True
         else:
