@@ -103,6 +103,7 @@ def test_a_settled_column_has_the_deck_that_it_had():
         ({"precompression": {"force": 1.0}}, "gravity.settled: beads that fall have no rest with precompression"),
         ({"foundation": {"stiffness": 1.0}}, "gravity.settled: beads that fall have no rest with foundation"),
         ({"contact": {"force": "s^1.5+s^2"}}, "gravity.settled: falls are known for contacts whose force is a power"),
+        ({"contact": {"force": "s^1.5+s^2"}, "walls": {"right": "bead"}}, "gravity.settled: falls are known for"),
         ({"window": 64, "beads": 100, "kick": {"velocity": 1.0}}, "leave the window out"),
     ],
 )

@@ -82,7 +82,7 @@ def test_the_copy_marks_every_command_and_lacks_those_that_write(tmp_path: Path)
         assert absent not in text + more
     assert f"include {copies / '1.lammps'}\n" in text
     assert f"include {tmp_path / 'run.lammps'}\n" in text
-    assert f'"""{MARK} steps 5 0"""' in text
+    assert f'"""{MARK} steps 5 -"""' in text
     assert text.rstrip().endswith("run 0")
 
 

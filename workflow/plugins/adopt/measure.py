@@ -263,6 +263,17 @@ class Mobility:
         return self.integrated & self.pushed & ~self.driven
 
 
+def _refuse_rest(measured: Measured) -> None:
+    """Refuse a deck in which nothing moves."""
+    moved = measured.driven, measured.velocity, measured.displacement
+    if not (measured.acceleration or any(map(np.any, moved))):
+        raise NotMeasuredError(
+            "no bead moves at the start; supported: velocities by `velocity` or `set` before the run (key `kick`), "
+            "displacements (`initial`), falls (`gravity`), motions by `fix move` (`drive`)",
+            "run",
+        )
+
+
 class _Bench:
     """The patterns of displacements and velocities, and what follows from the forces."""
 
@@ -291,14 +302,7 @@ class _Bench:
             unbalanced: force on a bead at rest that is none, relative to static loads, or to the force of an impact.
         """
         atoms, chains, axis = self.atoms, self.chains, self.axis
-        across = np.delete(np.abs(atoms.velocity), axis, axis=1)
-        if np.any(across):
-            raise NotMeasuredError(
-                "beads have velocities across their chain; supported: velocities along it",
-                "velocity",
-                "set",
-                "read_data",
-            )
+        self._refuse_velocities_across()
         self._refuse_time()
         self.rest = atoms.forces(axis)
         self._measure_foundation()
@@ -341,12 +345,7 @@ class _Bench:
         result.held, result.driven = self._held()
         result.velocity[result.driven] = 0.0
         self._forget_forces_on_driven(result)
-        if not (acceleration or np.any(result.driven) or np.any(result.velocity) or np.any(result.displacement)):
-            raise NotMeasuredError(
-                "no bead moves at the start; supported: velocities by `velocity` or `set` before the run (key `kick`), "
-                "displacements (`initial`), falls (`gravity`), motions by `fix move` (`drive`)",
-                "run",
-            )
+        _refuse_rest(result)
         result.probes = list(self._probes(result.held))
         return result
 
@@ -678,6 +677,16 @@ class _Bench:
         return distance * (1.0 - 1e-9)
 
     # --- what moves, and when -----------------------------------------------------------------------------------------
+
+    def _refuse_velocities_across(self) -> None:
+        """Refuse beads that leave their chain."""
+        if np.any(np.delete(self.atoms.velocity, self.axis, axis=1)):
+            raise NotMeasuredError(
+                "beads have velocities across their chain; supported: velocities along it",
+                "velocity",
+                "set",
+                "read_data",
+            )
 
     def _refuse_time(self) -> None:
         """Refuse forces that depend on the time."""
