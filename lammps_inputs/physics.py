@@ -225,7 +225,13 @@ def _stored(system: System) -> list[NDArray[np.float64]]:
 
 @once
 def _energies_of_fall(system: System) -> tuple[float, float]:
-    """Energy that weights can supply to all contacts but one, and the largest weight on one."""
+    """Energy that weights can supply to all contacts but one, and the largest weight on one.
+
+    Raises:
+        ValueError: contacts whose overlap under a weight is not known.
+    """
+    if any(link.law.overlap_under is None for link in system.along):
+        raise ValueError("gravity.settled: falls are known for contacts whose force is a power of the overlap")
     x = initial_state(system)[0, : system.chains]
     supports = [wall for wall in system.walls if wall.side > 0.0]
     if not supports:  # all fall alike

@@ -145,8 +145,8 @@ class Gravity(_Load):
         """Refuse also contacts of beads that fall whose force is no power of the overlap."""
         if self.settled:
             super().refuse_system(setting, system)
-        elif any(link.law.overlap_under is None for link in system.along):
-            raise ValueError("gravity.settled: falls are known for contacts whose force is a power of the overlap")
+        else:
+            physics.energy(system)
 
     def lacks(self, setting: Setting) -> frozenset[Fact]:
         """Facts that do not hold where there is sound; where beads fall, also those of a pulse and of momentum."""
