@@ -1,11 +1,13 @@
 """What no command can use: one line that says what is wrong, exit code 2, and nothing written."""
 
+import re
 import shlex
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from refusal_rows import Part, assert_refused, cases, written
+from refusal_rows import Part, assert_refused, cases, pattern, written
+from refusals import refusal, tree
 
 from workflow.cli import main
 
@@ -38,3 +40,33 @@ def test_what_cannot_be_used_is_one_line_and_nothing_is_written(part, row, prepa
     monkeypatch.delenv("GRANCHAIN_SITE", raising=False)
     monkeypatch.chdir(tmp_path / "here")
     assert_refused(part, row, prepared, capsys)
+
+
+SCENE = "name: a\nbeads: 9\nkick: {velocity: 1}\nduration: 5\n"
+UNREADABLE = {
+    "no such file": lambda _: None,
+    "is a directory": lambda path: path.mkdir(),
+    "cannot be read (Input/output error)": lambda path: path.symlink_to("/proc/self/mem"),
+    "cannot be read (Too many levels of symbolic links)": lambda path: path.symlink_to(path),
+    "not a text file": lambda path: path.write_bytes(SCENE.encode("utf-16")),
+    "unacceptable character": lambda path: path.write_bytes(bytes(4096)),
+    "8192 KiB": lambda path: path.write_bytes(b"#" * (1 << 24)),
+    "nested too deeply": lambda path: path.write_text("output: " + "[" * 5_000),
+    "nested too deeply ": lambda path: path.write_text("{a: " * 5_000),
+    "number too long": lambda path: path.write_text(f"{SCENE}chains: {'9' * 5_000}"),
+    "chains: should be ... 999... given": lambda path: path.write_text(f"{SCENE}chains: {'9' * 400}"),
+    "gap: should be ... 999... given": lambda path: path.write_text(f"{SCENE}gap: {'9' * 400}"),
+    "name: ... letters, digits": lambda path: path.write_text(SCENE.replace(" a", " " + 65 * "x")),
+}
+
+
+@pytest.mark.parametrize("says", UNREADABLE)
+def test_what_is_no_readable_scene_is_one_line_that_names_it_and_nothing_is_written(says, tmp_path, capsys):
+    path = tmp_path / "scene.yaml"
+    UNREADABLE[says](path)
+    before = tree(tmp_path)
+    line = refusal(["run", path, "-o", tmp_path / "out"], capsys)
+    assert line.startswith(f"{path}: ")
+    assert re.search(pattern(says), line), line
+    assert len(line) < len(str(path)) + 250
+    assert tree(tmp_path) == before

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from lammps_inputs import InputError, library, physics
+from lammps_inputs import library, physics
 from lammps_inputs.facts import Fact
 from workflow.engines.reference import engine
 from workflow.runs.run import run
@@ -115,27 +115,3 @@ def test_a_table_of_a_file_may_leave_columns_and_cells_out_and_is_part_of_the_sc
     long = scene({"beads": 50}, initial={"table": [[1, i, 0.1 / i, -1.0 / 3.0] for i in range(1, 51)]})
     assert long.plain()["initial"]["table"].startswith("chain,bead,displacement,velocity\n1,1,0.1,-0.333")
     assert library.from_plain(long.plain(), "x") == long
-
-
-@pytest.mark.parametrize(
-    ("initial", "message"),
-    [
-        ({"bead": 3, "displacement": 0.1}, "initial.bead: 3 is outside the array (beads 1 to 2)"),
-        ({"bead": 1}, "displacement: is missing; give a displacement, a velocity or both"),
-        ({"displacement": 1.0}, "bead: is missing; give the number of a bead, or a table"),
-        ({"bead": 1, "table": [[1, 1, 0.0, 1.0]]}, "bead: give either a table or one bead (both are given)"),
-        ({"table": [[1, 1, 0.0, 1.0], [1, 1, 0.1, 0.0]]}, "initial.table: names bead 1 of chain 1 twice"),
-        ({"table": [[2, 1, 0.0, 1.0]]}, "initial: chain 2 is outside the array (1 to 1;"),
-        ([{"bead": 1, "velocity": 1.0}] * 2, "initial[2]: names bead 1 of chain 1, which an entry before does, too"),
-        ({"bead": 2, "displacement": 0.3}, "kick: is missing; at least one bead must be kicked, or a striker"),
-        ({"table": "start.csv"}, "a file's name may stand in a scene's file only"),
-        ({"table": "bead,speed\n1,2\n"}, "line 1: 'bead, speed' found; valid: `chain,bead,displacement,velocity`"),
-        ({"table": "bead,velocity\n1,x\n"}, "line 2: '1,x' found; valid: numbers for bead, velocity"),
-        ({"table": "bead,velocity\n1.5,1\n"}, "line 2: '1.5,1' found"),
-    ],
-)
-def test_what_is_no_initial_state_is_refused_in_one_line(initial, message):
-    with pytest.raises(InputError) as refused:
-        scene({}, initial=initial)
-    assert message in str(refused.value)
-    assert "\n" not in str(refused.value)

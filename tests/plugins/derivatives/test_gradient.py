@@ -115,26 +115,6 @@ def test_without_fields_all_numbers_of_the_scene_are_varied():
     assert [line.field for line in lines] == ["coupling.stiffness", "kick.velocity"]
 
 
-@pytest.mark.parametrize(
-    ("name", "reason"),
-    [
-        ("gap", "it is not there"),
-        ("chains", "it counts something"),
-        ("duration", "it says how, or how long, a scene is computed"),
-        ("coupling.stifness", "a scene has no field 'coupling.stifness'"),
-    ],
-)
-def test_fields_without_derivative_are_refused(name, reason):
-    with pytest.raises(InputError, match=reason):
-        gradient(scene_of(PAIR), ["peak_velocity@12"], [name], "pair")
-
-
-@pytest.mark.parametrize("name", [*WHOLE, *ERRORS])
-def test_quantities_that_change_in_jumps_or_are_errors_are_refused_with_another_to_ask_for(name):
-    with pytest.raises(InputError, match=rf"^pair: --gradient: {name} is an?.*; ask for \w+"):
-        gradient(scene_of(PAIR), [name], ["coupling.stiffness"], "pair")
-
-
 def test_quantities_that_are_whole_numbers_are_those_of_whole_numbers_in_results():
     assert {"front", "bead", "agree_10", "agree_1", "synchronised_1", "contacts"} == set(WHOLE)
 
