@@ -46,8 +46,8 @@ SCENE = "name: a\nbeads: 9\nkick: {velocity: 1}\nduration: 5\n"
 UNREADABLE = {
     "no such file": lambda _: None,
     "is a directory": lambda path: path.mkdir(),
-    "cannot be read (Input/output error)": lambda path: path.symlink_to("/proc/self/mem"),
-    "cannot be read (Too many levels of symbolic links)": lambda path: path.symlink_to(path),
+    "cannot be read (": lambda path: path.symlink_to("/proc/self/mem"),
+    "cannot be read": lambda path: path.symlink_to(path),
     "not a text file": lambda path: path.write_bytes(SCENE.encode("utf-16")),
     "unacceptable character": lambda path: path.write_bytes(bytes(4096)),
     "8192 KiB": lambda path: path.write_bytes(b"#" * (1 << 24)),
@@ -56,6 +56,9 @@ UNREADABLE = {
     "number too long": lambda path: path.write_text(f"{SCENE}chains: {'9' * 5_000}"),
     "chains: should be ... 999... given": lambda path: path.write_text(f"{SCENE}chains: {'9' * 400}"),
     "gap: should be ... 999... given": lambda path: path.write_text(f"{SCENE}gap: {'9' * 400}"),
+    "coupling.force: ... characters; at most 300": lambda path: path.write_text(
+        f"{SCENE}chains: 2\ncoupling: {{k: 1, force: k*s{'+0' * 300}}}"
+    ),
     "name: ... letters, digits": lambda path: path.write_text(SCENE.replace(" a", " " + 65 * "x")),
 }
 
@@ -70,3 +73,9 @@ def test_what_is_no_readable_scene_is_one_line_that_names_it_and_nothing_is_writ
     assert re.search(pattern(says), line), line
     assert len(line) < len(str(path)) + 250
     assert tree(tmp_path) == before
+
+
+@pytest.mark.parametrize("words", ["analyze", "run two-chains -o", "deck two-chains -o"])
+def test_a_name_that_is_too_long_is_one_line(words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert "File name too long" in refusal([*words.split(), "x" * 300], capsys)

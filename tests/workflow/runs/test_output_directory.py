@@ -307,6 +307,16 @@ def test_names_are_printed_without_what_moves_a_terminal(tmp_path: Path, capsys:
     assert out.count("\n") == 3  # units, what was done, and where
 
 
+def test_more_beads_than_memory_holds_are_refused_beforehand(tmp_path: Path, capsys: Printed) -> None:
+    path = tmp_path / "s.yaml"
+    path.write_text(
+        strict_yaml.dump(
+            scene().plain() | {"chains": 20, "beads": 100_000_000, "limits": {"gigabytes": 1e9, "hours": 1e9}}
+        )
+    )
+    assert "need 2e+03 GB of memory for LAMMPS" in refusal(["run", path, "-o", tmp_path / "run"], capsys)
+
+
 def test_frames_with_the_largest_numbers_end_in_a_line(tmp_path: Path, capsys: Printed) -> None:
     directory: RunDirectory = run(scene(), tmp_path, engine="reference").directory
     data = bytearray(directory.dump.read_bytes())
