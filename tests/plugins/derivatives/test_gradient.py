@@ -51,7 +51,6 @@ QUANTITIES = ("peak_velocity@12", "arrival@12")
 
 
 WHOLE = [name for name in KNOWN if name in QUANTITIES_OF_RUNS and QUANTITIES_OF_RUNS[name].place.quantity.counts]
-ERRORS = [name for name in KNOWN if name.endswith("_uncertainty") or name == "energy_drift"]
 
 
 def scene_of(keys):

@@ -23,10 +23,6 @@ DRIVEN = {
 STIFFNESS = 1.5  # of a contact of force overlap^1.5 under a load of 1
 
 
-def without(scene, *keys):
-    return {key: value for key, value in scene.items() if key not in keys}
-
-
 def curve_of(scene, low, high, further=()):
     """Time unit, velocity unit and the curve between two frequencies, with responses of further ones."""
     scale = tangent.problem_of(scene, "scene").scale
