@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from lammps_inputs import library, physics
+from lammps_inputs import InputError, library, physics
 from lammps_inputs.facts import Fact
 from workflow.engines.reference import engine
 from workflow.runs.run import run
@@ -115,3 +115,5 @@ def test_a_table_of_a_file_may_leave_columns_and_cells_out_and_is_part_of_the_sc
     long = scene({"beads": 50}, initial={"table": [[1, i, 0.1 / i, -1.0 / 3.0] for i in range(1, 51)]})
     assert long.plain()["initial"]["table"].startswith("chain,bead,displacement,velocity\n1,1,0.1,-0.333")
     assert library.from_plain(long.plain(), "x") == long
+    with pytest.raises(InputError, match="a file's name may stand in a scene's file only"):
+        scene({}, initial={"table": "start.csv"})
