@@ -51,6 +51,9 @@ LEAST = 1e-9
 """Share of the energy of all chains below which a chain has no centre."""
 
 
+NONE = float(np.finfo(np.float64).eps) ** 2
+"""Energy, in units of m V**2, up to which there is none: that of velocities which are rounding errors of V."""
+
 NO_CENTRE = "the chain has no energy"
 
 NO_MODES = "one chain, no foundation that varies in time, or springs that are cubic or differ from row to row"
@@ -159,12 +162,12 @@ class FlowMeter(Meter[list[tuple[Floats, ...]], Flow]):
         energy = motion.bead_energy(block.system_at(chosen), x, v, block.first)
         of_chain = energy.sum(axis=-1, keepdims=True)
         total = of_chain.sum(axis=-2, keepdims=True)
-        share = (of_chain / np.where(total > 0.0, total, np.nan))[..., 0]  # a drive may begin with none
+        share = (of_chain / np.where(total > NONE, total, np.nan))[..., 0]  # a drive may begin with none
         between = np.zeros(len(x))
         for link in block.problem.system.couplings:
             between += np.sum(link.energy(x, block.first), axis=(-2, -1))
         supplied = energy_input(block)[chosen]
-        supplied = np.where(supplied > 0.0, supplied, np.nan)
+        supplied = np.where(supplied > NONE, supplied, np.nan)
         between /= supplied
         with np.errstate(invalid="ignore", divide="ignore"):
             weight = np.where(share > LEAST, 1.0, np.nan)[..., np.newaxis] * energy / of_chain
@@ -223,7 +226,7 @@ def shares_of_action(block: Trajectory, frames: slice) -> Floats:
     action = 0.5 * now.mass * np.sum(v * v + (square[..., None] * x) * x, axis=-1) / omega
     total = np.sum(action, axis=-1, keepdims=True)
     energy = motion.energy(now, displacement, velocity)
-    loaded = sum(link.energy(displacement).sum(axis=(-2, -1)) for link in (*now.along, *now.walls))
+    loaded = sum(link.energy(displacement).sum(axis=(-2, -1)) for link in (*now.contacts, *now.walls))
     defined = (loaded <= UNLOADED * energy)[:, None] & (total > 0.0)
     return np.asarray(np.where(defined, action / np.where(defined, total, 1.0), np.nan))
 
@@ -370,7 +373,7 @@ class ShareMeter(Meter[tuple[Integers, Floats], EnergyShares]):
         kinetic = motion.kinetic_energy(system, v, first)
         contacts = motion.contact_energy(system, x, first)
         total = np.sum(kinetic, axis=-1) + np.sum(contacts, axis=-1)
-        links = (*system.couplings, *system.ground, *system.walls)
+        links = (*system.closing, *system.couplings, *system.ground, *system.walls)
         for link in system.among(links, first, x.shape[-1]):
             link.add_chain_energy(total, link.energy(x, first))
         energies = np.zeros((3, 1 + len(peaks), *total.shape[1:]))

@@ -103,10 +103,13 @@ class Formula:
 
     @property
     def first(self) -> tuple[float, float]:
-        """A and p of ``A overlap**p``, as which it begins: 1.5 where it is cut, else 1."""
-        if self.cut:
-            return self(self.way * 1e-20) / 1e-30, 1.5
-        return self.way * self(1e-30j).imag / 1e-30, 1.0
+        """A and p of ``A overlap**p``, as which it begins; p is 1 where it is not cut."""
+        if not self.cut:
+            return self.way * self(1e-30j).imag / 1e-30, 1.0
+        small = 1e-12
+        slope, other = (self(self.way * (s + 1e-30j)).imag / 1e-30 for s in (small, 2.0 * small))
+        p = 1.0 + round(math.log2(other / slope), 6)
+        return slope / (p * small ** (p - 1.0)), p
 
     def scaled(self, unit: Units) -> Any:
         def force(s: Any) -> Any:
@@ -176,6 +179,17 @@ def beads_of(scene: Scene) -> tuple[Floats, Floats, Floats]:
     return found[0], found[1], found[2]
 
 
+def shape_of_contacts(scene: Scene) -> tuple[int, int]:
+    return scene.chains, scene.beads if scene.periodic else scene.beads - 1
+
+
+def pairs(values: Floats, scene: Scene) -> tuple[Floats, Floats]:
+    """Values of the beads behind and ahead of each contact."""
+    ahead = np.concatenate([values[:, 1:], values[:, :1]], axis=1)
+    count = shape_of_contacts(scene)[1]
+    return values[:, :count], ahead[:, :count]
+
+
 def along(scene: Scene) -> Floats:
     """Factors on the strengths of the contacts by their place, [chain, contact]."""
     return by_contact(_of_contact(scene, "strength"), 1.0, scene)
@@ -183,13 +197,13 @@ def along(scene: Scene) -> Floats:
 
 def by_contact(given: Any, default: float, scene: Scene) -> Floats:
     """A number, a list or a profile, [chain, contact]; a default where there is none."""
-    found = np.ones((scene.chains, scene.beads - 1))
+    found = np.ones(shape_of_contacts(scene))
     if given is None or isinstance(given, float | tuple):
         return found * (default if given is None else given)
     keys = given.model_dump(exclude_none=True)
     if "amplitude" not in keys:
         found *= keys.get("mean", 1.0 if "to" in keys else default)
-    for i in range(1, scene.beads):
+    for i in range(1, 1 + found.shape[1]):
         if "to" in keys:
             first, last = keys["contacts"]
             share = min(max((i - first) / (last - first), 0.0), 1.0)
@@ -205,7 +219,7 @@ def by_contact(given: Any, default: float, scene: Scene) -> Floats:
 
 def gaps(scene: Scene) -> Any:
     """Clear distances of neighbours in the scene's units: a number, or [chain, contact]."""
-    given, found = scene.gap, np.zeros((scene.chains, scene.beads - 1))
+    given, found = scene.gap, np.zeros(shape_of_contacts(scene))
     if isinstance(given, float):
         return given
     if isinstance(given, tuple):
@@ -277,7 +291,8 @@ def _losses(scene: Scene, mass: Floats, strength: Floats) -> tuple[Any, float]:
     if damping.law == "viscoelastic":
         return damping.contact / (unit.force / unit.velocity) * unit.length**0.5, 0.5
     if damping.law == "restitution":
-        reduced = 1.0 / (1.0 / mass[:, 1:] + 1.0 / mass[:, :-1])
+        behind, ahead = pairs(mass, scene)
+        reduced = 1.0 / (1.0 / ahead + 1.0 / behind)
         return _alpha(damping.contact, p) * np.sqrt(reduced * strength), 0.5 * (p - 1.0)
     return damping.contact / (unit.force / unit.velocity), 0.0
 
@@ -429,8 +444,9 @@ def nature(scene: Scene) -> Nature:
     unit, p = units(scene), exponent(scene)
     laws = {key: formula(scene, key) for key in ("contact", "coupling", "foundation")}
     mass, radius, modulus = beads_of(scene)
-    size = 2.0 * radius[:, 1:] * radius[:, :-1] / (radius[:, 1:] + radius[:, :-1])
-    strength = 2.0 / (1.0 / modulus[:, 1:] + 1.0 / modulus[:, :-1]) * np.sqrt(size) * along(scene)
+    (behind, ahead), (soft, softer) = pairs(radius, scene), pairs(modulus, scene)
+    size = 2.0 * ahead * behind / (ahead + behind)
+    strength = 2.0 / (1.0 / softer + 1.0 / soft) * np.sqrt(size) * along(scene)
     powers: float | Floats = p
     if not isinstance(_of_contact(scene, "exponent"), float | None):
         powers = by_contact(scene.contact.exponent, 1.5, scene)
@@ -456,7 +472,7 @@ def nature(scene: Scene) -> Nature:
         k, stiffness, bends = _bedded(scene, there / unit.stiffness)
         ground = (k, c * unit.length**2 / unit.stiffness * there)
     damping, dashpot = scene.damping, unit.force / unit.velocity
-    rest = (load[:, 1:-1] / strength) ** (1.0 / powers)
+    rest = 0.0 * strength if scene.periodic else (load[:, 1:-1] / strength) ** (1.0 / powers)
     quiet = _quiet_ends(scene, mass, powers * strength * rest ** (powers - 1.0))
     own = Nature(
         exponent=powers,
@@ -476,8 +492,10 @@ def nature(scene: Scene) -> Nature:
         pushes=_pushes(scene, unit),
         moved=moved,
         start=start,
+        bed=1.0 if soft is None else _within(soft.rows, scene) + np.zeros_like(mass),
         stiffness=stiffness,
         bends=bends,
+        closed=bool(scene.periodic),
         formulas={key: law.scaled(unit) for key, law in laws.items() if law is not None},
     )
     own = own if scene.resonators is None else _with_resonators(scene, own)
@@ -510,10 +528,13 @@ def _with_resonators(scene: Scene, own: Nature) -> Nature:
     if np.ndim(own.gap):
         wide["gap"] = np.pad(own.gap, more)
     coefficient, power = own.loss
+    over_time = own.stiffness and (lambda time: np.pad(own.stiffness(time), more))
     return replace(
         own,
         mass=np.concatenate(masses),
         **wide,
+        bed=np.pad(own.bed, more) if np.ndim(own.bed) else own.bed,
+        stiffness=over_time,
         ground=tuple(np.pad(part, more) for part in own.ground),
         walls=[
             replace(wall, **{n: np.pad(getattr(wall, n), more[0]) for n in ("strength", "rest", "loss")})

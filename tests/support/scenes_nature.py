@@ -87,6 +87,7 @@ class Nature:
         hold: force from outside at rest, [chain, bead].
         springs: (chain, other chain, stiffness of each row, cubic stiffness), chains from 0.
         ground: stiffness and cubic stiffness of the springs to the ground, [chain, bead].
+        bed: 1 where there is a foundation by formula, 0 elsewhere.
         stiffness: over them, the stiffness at a time, where that depends on it.
         bends: times at which it does so abruptly.
         walls: those that there are.
@@ -98,6 +99,7 @@ class Nature:
         pushes, moved: what acts from outside.
         start: velocities at the start.
         displaced: displacements at the start, of the shape of ``mass``.
+        closed: whether chains are rings, whose contacts are [chain, bead], the last that of the last and first bead.
         formulas: force of contacts, springs and ground at a strain, by key, where the scene gives it as a formula.
     """
 
@@ -119,9 +121,11 @@ class Nature:
     moved: list[Moved]
     start: Floats
     displaced: Any = 0.0
+    bed: Any = 1.0
     stiffness: Any = None
     bends: tuple[float, ...] = ()
     inner: tuple[tuple[int, int, Any, Any], ...] = ()
+    closed: bool = False
     formulas: dict[str, Any] = field(default_factory=dict)
 
     @cached_property
@@ -132,24 +136,28 @@ class Nature:
 
     def overlap(self, x: Floats) -> Floats:
         """Of contacts, negative where beads are apart."""
-        return np.asarray(x[..., :-1] - x[..., 1:] - self.gap + self.rest)
+        return np.asarray(self.closing(x) - self.gap + self.rest)
+
+    def closing(self, x: Floats) -> Floats:
+        """How much farther than the next a bead has moved."""
+        return x - np.roll(x, -1, axis=-1) if self.closed else x[..., :-1] - x[..., 1:]
 
     def contacts(self, x: Floats, v: Floats) -> Floats:
         """Force of contacts, that at rest and the dashpots' included."""
         closed = np.maximum(self.overlap(x), 0.0)
         if "contact" in self.formulas:
-            return np.asarray(self.formulas["contact"](self.overlap(x)))
+            return np.asarray(self.strength * self.formulas["contact"](self.overlap(x)))
         push = self.strength * _power(closed, self.exponent)
         coefficient, power = self.loss
         if self._has["loss"]:
-            push = push + np.where(closed > 0.0, coefficient * closed**power * (v[..., :-1] - v[..., 1:]), 0.0)
+            push = push + np.where(closed > 0.0, coefficient * closed**power * self.closing(v), 0.0)
         return np.asarray(np.maximum(push, 0.0) if self.cut else push)
 
     def at_wall(self, wall: Wall, x: Floats, v: Floats) -> Floats:
         """Force of a wall, [..., chain], that at rest and the dashpots' included."""
         closed = np.maximum(wall.rest + wall.side * x[..., wall.bead] - self.wall_gap, 0.0)
         if "contact" in self.formulas:
-            return np.asarray(self.formulas["contact"](wall.side * x[..., wall.bead] - self.wall_gap))
+            return np.asarray(wall.strength * self.formulas["contact"](wall.side * x[..., wall.bead] - self.wall_gap))
         push = wall.strength * _power(closed, self.exponent)
         if self._has["loss"]:
             loss = np.where(closed > 0.0, wall.loss * closed ** self.loss[1], 0.0)
@@ -172,14 +180,17 @@ class Nature:
         stored += [0.5 * stiffness * (x[other] - x[one]) ** 2 for one, other, stiffness, _ in self.inner]
         stored.append(0.5 * self.ground[0] * x**2 + 0.25 * self.ground[1] * x**4)
         if "foundation" in self.formulas:
-            stored.append(_integrals(self.formulas["foundation"], x))
+            stored.append(self.bed * _integrals(self.formulas["foundation"], x))
         return max(float(np.max(energy)) for energy in stored)
 
     def acceleration(self, time: float, x: Floats, v: Floats) -> Floats:
         force = self.hold - self.drag * v
         along = self.contacts(x, v)
-        force[..., 1:] += along
-        force[..., :-1] -= along
+        if self.closed:
+            force += np.roll(along, 1, axis=-1) - along
+        else:
+            force[..., 1:] += along
+            force[..., :-1] -= along
         for one, other, stiffness, cubic in self.springs:
             apart = x[..., other, :] - x[..., one, :]
             pull = stiffness * apart + (cubic * apart**3 if self._has["cubic"] else 0.0)
@@ -197,7 +208,7 @@ class Nature:
             stiffness = self.ground[0] if self.stiffness is None else self.stiffness(time)
             force -= stiffness * x + self.ground[1] * x**3
         if "foundation" in self.formulas:
-            force -= self.formulas["foundation"](x)
+            force -= self.bed * self.formulas["foundation"](x)
         for wall in self.walls:
             force[..., wall.bead] -= wall.side * self.at_wall(wall, x, v)
         for push in self.pushes:
