@@ -3,14 +3,12 @@
 import math
 
 import numpy as np
-import pytest
 from plain_scene import scene
 
-from lammps_inputs import InputError, library
+from lammps_inputs import library
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import StepHalving
 from workflow.plugins.rigid import engine as rigid
-from workflow.runs.run import run
 from workflow.sweep import fields
 
 GAPS = (0.3, 0.1, 0.2, 0.5, 0.4)
@@ -71,20 +69,3 @@ def test_a_collision_of_two_spheres_with_gaps_delays_the_second_by_half_its_dura
     expected = motion.time[flies] - gaps[0] - 0.5 * lasts
     np.testing.assert_allclose(motion.velocity[flies, 0], [[0.0, 1.0, 0.0]] * np.count_nonzero(flies), atol=sure)
     np.testing.assert_allclose(motion.displacement[flies, 0, 1], expected, atol=sure * problem.duration)
-
-
-@pytest.mark.parametrize(
-    ("gap", "which"),
-    [([0.1, 0.0], "all of them"), ([[0.1, 0.2], [0.2, 0.1]], "the same gaps only")],
-    ids=["0", "unlike"],
-)
-def test_the_engine_of_rigid_beads_needs_gaps_everywhere_and_the_same_in_coupled_chains(gap, which, tmp_path):
-    case = gapped(gap, chains=2, beads=3, coupling={"stiffness": 0.1})
-    with pytest.raises(InputError, match=which):
-        run(case, tmp_path / "run", engine="collisions")
-
-
-def test_lammps_refuses_springs_between_chains_of_other_gaps(tmp_path):
-    case = gapped([[0.1, 0.2], [0.2, 0.1]], chains=2, beads=3, coupling={"stiffness": 0.1})
-    with pytest.raises(InputError, match="the gaps of chains differ; use the reference engine"):
-        run(case, tmp_path / "run")

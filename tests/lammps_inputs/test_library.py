@@ -3,7 +3,7 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from bad_scenes import BAD_SCENES, REFUSED, assert_one_line, scene_text
+from bad_scenes import assert_one_line, scene_text
 from hypothesis import given
 from hypothesis import strategies as st
 from strategies import VALUES, YAML_LIKE
@@ -24,25 +24,6 @@ from lammps_inputs import (
 from lammps_inputs.ingredients import registry
 
 PAPER = ["one-chain", "three-chains", "two-chains", "two-chains-steel", "two-chains-strong"]
-
-
-@pytest.mark.parametrize("case", [*BAD_SCENES, *REFUSED], ids=lambda case: case.kind)
-def test_a_bad_scene_is_one_line_that_names_file_and_key_and_helps(case, tmp_path):
-    if not case.possible:
-        pytest.skip("not possible for this user or on this system (root reads every file)")
-    path = case.place(tmp_path)
-    with pytest.raises(InputError) as caught:
-        find(str(path))
-    assert_one_line(caught.value, f"{path}: {case.key}")
-    assert case.says in str(caught.value)
-
-
-def test_the_mistakes_are_of_more_than_thirty_kinds():
-    assert len({case.kind for case in BAD_SCENES}) == len(BAD_SCENES) > 30
-
-
-def test_the_scene_that_the_mistakes_are_made_in_is_good():
-    assert library.from_plain(strict_yaml.parse(scene_text(), "here"), "here").beads == 10
 
 
 def parts(model):
@@ -153,18 +134,6 @@ def test_every_material_may_be_named_and_has_a_source():
     assert {solid.source for solid in materials.CATALOGUE.values()} <= set(references.bibtex())
 
 
-def test_a_misspelt_name_gets_a_suggestion():
-    with pytest.raises(InputError, match=r"'two-chain'.*did you mean `two-chains`.*granchain scenes"):
-        find("two-chain")
-
-
-@pytest.mark.parametrize("name", ["", "a\nb", "a\0b", "../..", "\x1b[31m", "nowhere/two-chains.yaml"])
-def test_a_name_that_is_nothing_is_one_line(name):
-    with pytest.raises(InputError) as caught:
-        find(name)
-    assert_one_line(caught.value, "")
-
-
 @pytest.mark.parametrize("file", ["mine.yaml", "mine.yml", "mine", "two-chains.yaml"])
 def test_a_file_of_the_user_works_under_any_name(file, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -179,12 +148,6 @@ def test_one_kick_and_a_list_of_one_kick_are_the_same():
         for kick in ("{velocity: 1}", "[{velocity: 1}]")
     )
     assert one == several
-
-
-@pytest.mark.parametrize("key", ["hysteresis", "dampings", "tapper"])
-def test_an_unknown_key_of_a_scene_may_be_that_of_a_module_also_where_it_resembles_another(key):
-    with pytest.raises(InputError, match=f"{key}: unknown key.*; one of your own needs GRANCHAIN_INGREDIENTS=MODULE"):
-        library.from_plain({"name": "a", "beads": 5, "kick": {"velocity": 1.0}, "duration": 9.0, key: {"a": 1}}, "a")
 
 
 @pytest.mark.parametrize(

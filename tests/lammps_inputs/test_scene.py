@@ -97,11 +97,6 @@ def test_springs_of_one_chain_or_of_no_stiffness_are_none(chains, stiffness):
     assert not physics.coupled(scene(chains=chains, coupling=Coupling(stiffness=stiffness)).system)
 
 
-def test_a_scene_that_ends_at_a_bead_has_no_problem_yet():
-    with pytest.raises(ValueError, match="ends at a bead"):
-        scene(duration=None, until_bead=9).problem()
-
-
 @pytest.mark.parametrize(("duration", "frames"), [(5.0, 50), (0.3, 3), (0.31, 4), (1e-9, 1)])
 def test_the_run_ends_with_the_first_frame_that_is_not_before_the_duration(duration, frames):
     assert scene(duration=duration, output=Output(every=0.1)).problem().frames == frames
@@ -167,10 +162,7 @@ def test_every_number_of_a_scene_says_its_unit_beside_it():
     ("parts", "message"),
     [
         ({"beads": "x"}, "scene: beads: should be a whole number, 'x' given"),
-        ({"beads": 5.5}, "scene: beads: should be a whole number, 5.5 given"),
         ({"kick": 3}, "scene: kick[1]: should hold `key: value` pairs, such as `kick: {velocity: 1}`, 3 given"),
-        ({"coupling": [1]}, "scene: coupling: should hold `key: value` pairs"),
-        ({"output": {"every": "x"}}, "scene: output.every: should be a number, 'x' given"),
         ({"copling": 1}, "scene: copling: unknown key (did you mean `coupling`?)"),
         ({"kick": Kick(bead=99, velocity=1.0)}, "scene: kick.bead: 99 is outside the array (beads 1 to 9)"),
         ({"duration": None}, "scene: duration: give either duration or until_bead"),

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from ingredient_scenes import STEEL
 from plain_scene import BEADS, scene
-from refusals import refusal
 
 from lammps_inputs import strict_yaml, values
 from workflow.cli import main
@@ -90,7 +89,3 @@ def test_show_prints_values_that_read_back_exactly_and_nothing_else(tmp_path, ca
     np.testing.assert_array_equal(printed[:, 2].reshape(SHAPE), scene(disorder={"mass": 0.2}).system.mass)
     assert main(["show", str(path), "--values", "--json"]) == 0
     assert np.array_equal(json.loads(capsys.readouterr().out)["mass"], printed[:, 2].reshape(SHAPE))
-
-
-def test_a_scene_of_equal_beads_has_no_values_to_list(capsys):
-    assert "all beads, contacts and springs are alike" in refusal(["show", "two-chains", "--values"], capsys)

@@ -97,11 +97,6 @@ def test_quiet_says_nothing(capsys):
     assert capsys.readouterr() == ("", "")
 
 
-def test_quiet_still_says_what_is_wrong(capsys):
-    assert main(["show", "no-such", "--quiet"]) == 2
-    assert capsys.readouterr().err.startswith("granchain: 'no-such'")
-
-
 @pytest.mark.usefixtures("tiny")
 @pytest.mark.parametrize(
     ("words", "key"),

@@ -57,13 +57,6 @@ def test_cases_of_a_sweep_are_drawn_with_the_width_that_is_asked_for(ran):
     assert inches(ran / "response.png") == pytest.approx(3.4, abs=0.01)
 
 
-@pytest.mark.parametrize("width", ["0", "1.9", "21", "nan", "wide"])
-def test_a_width_that_no_figure_has_is_refused_in_one_line_with_an_example(ran, width, capsys):
-    assert main(["analyze", str(ran), "--width", width]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert "such as 3.4" in line
-
-
 def test_every_command_that_writes_figures_takes_their_width():
     drawing = [name for name in cli.COMMANDS if getattr(cli.module_of(name), "DRAWS", False)]
     assert {"analyze", "collect", "sweep", "validate"} <= set(drawing)

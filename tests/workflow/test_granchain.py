@@ -265,16 +265,3 @@ def _words(output):
         kind: kind == "image/png" or re.sub(r'src="data:[^"]*"|[-+.\d]+(e[-+]?\d+)?|\s+', "", "".join(text))
         for kind, text in texts.items()
     }
-
-
-@pytest.mark.parametrize(
-    ("call", "says"),
-    [
-        (lambda: granchain.run("two-chains", None), "directory: None given; a path such as 'out'"),
-        (lambda: granchain.run("two-chains", "out", ranks="2"), "ranks: '2' given; a whole number, 1 or more"),
-        (lambda: granchain.analyze(3), "run: 3 given"),
-    ],
-)
-def test_an_argument_of_another_type_is_named(call, says):
-    with pytest.raises(granchain.InputError, match=re.escape(says)):
-        call()

@@ -8,7 +8,7 @@ import pytest
 from plain_scene import goes_on_bit_for_bit
 
 from analysis.conservation import ConservationMeter
-from lammps_inputs import InputError, Scene, library
+from lammps_inputs import Scene, library
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import StepHalving
 from workflow.plugins.modes.linear import linear_modes
@@ -180,26 +180,6 @@ def test_the_force_in_the_closing_contact_is_that_of_any_other(tmp_path):
     for here, there in zip(*forces, strict=True):
         for key in ("largest", "at", "impulse", "dwell"):
             assert here[key] == pytest.approx(there[key], abs=1e-7)
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"walls": {"left": "bead"}}, "walls: stand at the ends"),
-        ({"precompression": {"force": 1.0}}, "precompression: is a force on the ends"),
-        ({"gravity": 0.1}, "gravity: points along a chain"),
-        ({"gravity": {"acceleration": 0.1, "settled": False}}, "gravity: points along a chain"),
-        ({"window": 64}, "window: follows a pulse from one end"),
-        ({"beads": 2}, "beads: 2 of a ring given; at least 3"),
-        ({"gap": [0.1] * 11}, "gap: 11 numbers for the 12 contacts"),
-        ({"gap": {"contacts": {"13": 0.1}}}, "gap.contacts: 13 is outside"),
-        ({"output": {"forces": {"contacts": [13]}}}, "output.forces.contacts: bead 13"),
-        ({"periodic": "yes"}, "periodic: should be true or false"),
-    ],
-)
-def test_what_needs_an_end_is_refused(changes, message):
-    with pytest.raises(InputError, match=message):
-        ring(**changes)
 
 
 def test_a_chain_that_is_not_periodic_is_open():

@@ -130,47 +130,6 @@ def test_other_columns_are_passed_over_even_of_text(path):
 
 
 HEAD = "time,chain,bead,velocity\n"
-WRONG = {
-    "empty file": ("", "names no column"),
-    "no header": ("0,1,1,0.5\n", "names no column"),
-    "header only": (HEAD, "holds no row"),
-    "comments only": (HEAD + "# nothing\n", "holds no row"),
-    "no bead": ("time,chain,velocity\n0,1,1\n", "no column 'bead'"),
-    "no time": ("chain,bead,velocity\n1,1,1\n", "no column 'time'"),
-    "no values": ("time,chain,bead\n0,1,1\n", "neither a displacement nor a velocity"),
-    "a name twice": ("time,time,chain,bead,velocity\n0,0,1,1,1\n", "names 'time' twice"),
-    "a place twice": (HEAD + "0,1,1,1\n0,1,1,2\n", "given twice"),
-    "too few columns": (HEAD + "0,1,1\n", "4 names in the first line, but 3 columns in line 2"),
-    "a short row": (HEAD + "0,1,1,1\n0,1,2\n", "but 3 columns in line 3"),
-    "a long row": (HEAD + "0,1,1,1,7\n", "but 5 columns in line 2"),
-    "a word": (HEAD + "0,1,1,fast\n", "fast"),
-    "nothing for a number": (HEAD + "0,1,1,\n", "line 2: column 'velocity' holds '', which is no number"),
-    "a word below comments and empty lines": (
-        HEAD + "# mine\n\n0,1,1,1\n\n0,x,2,1\n",
-        "line 6: column 'chain' holds 'x', which is no number",
-    ),
-    "decimal comma": ("time;chain;bead;velocity\n0,0;1;1;0,5\n", "decimal commas are not read"),
-    "NaN": (HEAD + "0,1,1,1\n0,1,2,nan\n", "'velocity' holds nan in line 3"),
-    "infinite": (HEAD + "0,1,1,-inf\n", "'velocity' holds -inf in line 2"),
-    "overflow": (HEAD + "0,1,1,1e999\n", "'velocity' holds inf in line 2"),
-    "NaN for a time": (HEAD + "nan,1,1,1\n", "'time' holds nan"),
-    "half a bead": (HEAD + "0,1,1.5,1\n", "'bead' holds what is not the number of a bead"),
-    "negative chain": (HEAD + "0,-1,1,1\n", "'chain' holds what is not the number of a chain"),
-    "huge bead": (HEAD + "0,1,1e300,1\n", "'bead' holds what is not"),
-    "a LAMMPS dump": ("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\n", "names no column"),
-    "binary": ("\x00\x01\x02", "names no column"),
-}
-
-
-@pytest.mark.parametrize("case", WRONG)
-def test_what_is_wrong_with_a_text_is_said_in_one_line(case, path):
-    text, words = WRONG[case]
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError) as error:
-        table.load(path)
-    assert words in str(error.value)
-    assert str(path) in str(error.value)
-    assert "\n" not in str(error.value)
 
 
 def grid_of(**changes):
@@ -224,12 +183,6 @@ def test_a_zip_of_something_else_is_no_table(path):
         archive.writestr("velocity", "not an array")
     with pytest.raises(InputError, match="not an npz of plain numbers"):
         table.load(path)
-
-
-@pytest.mark.parametrize("words", ["no such file", "is a directory"])
-def test_a_path_that_is_no_file_is_said(words, tmp_path):
-    with pytest.raises(InputError, match=f"(?i){words}"):
-        table.load(tmp_path if "directory" in words else tmp_path / "none.csv")
 
 
 @pytest.mark.parametrize("compressed", [False, True])

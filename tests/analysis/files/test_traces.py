@@ -5,7 +5,6 @@ import pytest
 
 from analysis.files import traces
 from analysis.files.traces import Channel
-from lammps_inputs import InputError
 
 
 def table(directory, text):
@@ -59,31 +58,3 @@ def test_a_table_of_beads_is_a_trace_for_every_bead_that_it_has(tmp_path):
     found = traces.load(path)
     assert found.channels == (Channel("velocity", 1, 3), Channel("velocity", 2, 5))
     assert found.values == pytest.approx(np.array([[1.0, 2.0], [4.0, np.nan]]), nan_ok=True)
-
-
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("time,force_contakt_3\n0,1\n", "column 'force_contakt_3': not known"),
-        ("time,force_contact_3,contact 3 chain 1\n0,1,1\n", "there is another of the same"),
-        ("contact 3,x\n0,1\n", "no column 'time'"),
-        ("time,contact 3 (lbf)\n0,1\n", "the unit 'lbf' is not known; N, mN, kN"),
-        ("time,contact 3 (MN)\n0,1\n", "the unit 'MN' is not known"),
-        ("time,force (N)\n0,1\n", "column 'force (N)': not known, or names no place; such as time, force_wall_right"),
-        ("time,Kraft\n0,1\n", "holds no trace; columns are such as time, force_wall_right"),
-        ("time,contact 3\n1,1\n0,1\n", "times are not ascending"),
-        ("time,contact 3\n0,1\n,2\n", "line 3 has no time in column 'time'"),
-        ("time,contact 3\n0,inf\n", "holds inf in line 2"),
-        ("time,contact 3\n0,\n1,\n", "holds nan in line 2"),
-        ("time,contact 3\n0,high\n", "line 2: column 'contact 3' holds 'high', which is no number"),
-        ("time,contact 3\n0\n", "2 names in the first line, but 1 columns in line 2"),
-        ("time,contact 3\n", "holds no row"),
-    ],
-)
-def test_a_mistake_is_one_line_that_names_the_file(text, says, tmp_path):
-    path = table(tmp_path, text)
-    with pytest.raises(InputError) as caught:
-        traces.load(path)
-    assert str(caught.value).startswith(f"{path}: ")
-    assert says in str(caught.value)
-    assert "\n" not in str(caught.value)

@@ -312,12 +312,6 @@ def test_every_line_of_the_deck_can_be_read_on_a_page():
     assert max(map(len, deck.render_deck(find("three-chains").problem()).splitlines())) <= 120
 
 
-def test_a_scene_that_ends_at_a_bead_has_no_deck_and_nothing_is_written(tmp_path):
-    with pytest.raises(ValueError, match="ends at a bead"):
-        scene_files.write(scene(duration=None, until_bead=2), tmp_path)
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_the_scene_written_beside_the_deck_gives_the_same_deck_again(tmp_path):
     scene_files.write(find("two-chains-steel"), tmp_path)
     again = find(str(tmp_path / file_names.SCENE))

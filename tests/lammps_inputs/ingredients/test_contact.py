@@ -10,11 +10,10 @@ from truth import Truth
 
 from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.unit_cell import cell_of
-from lammps_inputs import InputError, Scene, file_names, strict_yaml
+from lammps_inputs import Scene, file_names
 from lammps_inputs.decks import scene_files
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
-from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import StepHalving
 from workflow.runs.contacts import at_most
@@ -123,21 +122,6 @@ def test_contacts_of_unlike_exponents_move_as_an_independent_integration(contact
 def test_a_list_of_one_exponent_is_that_exponent():
     one, other = (touching(p, timestep=0.01) for p in (2.0, [2.0] * 7))
     assert other.problem().system == one.problem().system
-
-
-def test_lammps_refuses_exponents_that_differ_other_than_1_and_3_halves(tmp_path):
-    case = touching([2.0] * 6 + [1.5], timestep=0.01)
-    with pytest.raises(InputError, match=r"of 1 and 1\.5, not 2; use the reference engine"):
-        run(case, tmp_path / "run")
-
-
-@pytest.mark.parametrize("command", ["deck", "run"])
-def test_lammps_refuses_strengths_that_differ_with_an_exponent_that_it_has_from_a_formula(command, tmp_path, capsys):
-    case = graded(None, contact={"exponent": 2, "strength": {"spread": 0.1}}, timestep=0.01)
-    (tmp_path / "scene.yaml").write_text(strict_yaml.dump(case.plain()))
-    assert main([command, str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "made")]) == 2
-    (said,) = capsys.readouterr().err.splitlines()
-    assert "for the exponents 1 and 1.5, not 2; use the reference engine" in said
 
 
 def test_contacts_that_alternate_under_load_have_the_bands_of_a_chain_of_two_springs():

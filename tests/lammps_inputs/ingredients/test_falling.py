@@ -8,7 +8,7 @@ from mirror import mirrored_problem
 from scene_keys import units
 from truth import Truth
 
-from lammps_inputs import InputError, library, physics
+from lammps_inputs import library, physics
 from lammps_inputs.decks import deck
 from workflow.engines.reference import engine
 from workflow.runs.run import run
@@ -95,20 +95,3 @@ def test_a_settled_column_has_the_deck_that_it_had():
     assert one == other
     assert one.plain()["gravity"] == 0.1
     assert "gravity" not in deck.render_deck(one.problem())
-
-
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"precompression": {"force": 1.0}}, "gravity.settled: beads that fall have no rest with precompression"),
-        ({"foundation": {"stiffness": 1.0}}, "gravity.settled: beads that fall have no rest with foundation"),
-        ({"contact": {"force": "s^1.5+s^2"}}, "gravity.settled: falls are known for contacts whose force is a power"),
-        ({"contact": {"force": "s^1.5+s^2"}, "walls": {"right": "bead"}}, "gravity.settled: falls are known for"),
-        ({"window": 64, "beads": 100, "kick": {"velocity": 1.0}}, "leave the window out"),
-    ],
-)
-def test_what_cannot_fall_is_refused_in_one_line(keys, message):
-    with pytest.raises(InputError) as refused:
-        scene(**keys)
-    assert message in str(refused.value)
-    assert "\n" not in str(refused.value)

@@ -115,6 +115,8 @@ def test_a_table_of_a_file_may_leave_columns_and_cells_out_and_is_part_of_the_sc
     long = scene({"beads": 50}, initial={"table": [[1, i, 0.1 / i, -1.0 / 3.0] for i in range(1, 51)]})
     assert long.plain()["initial"]["table"].startswith("chain,bead,displacement,velocity\n1,1,0.1,-0.333")
     assert library.from_plain(long.plain(), "x") == long
+    with pytest.raises(InputError, match="a file's name may stand in a scene's file only"):
+        scene({}, initial={"table": "start.csv"})
 
 
 def test_lists_have_the_values_of_the_beads_of_a_chain():
@@ -124,30 +126,3 @@ def test_lists_have_the_values_of_the_beads_of_a_chain():
     by_bead = [{"chain": 2, "bead": 1, "displacement": 0.25}, {"chain": 2, "bead": 2, "velocity": -0.5}]
     np.testing.assert_array_equal(listed, physics.initial_state(scene({}, chains=2, initial=by_bead).problem().system))
     assert library.from_plain(case.plain(), "x") == case
-
-
-@pytest.mark.parametrize(
-    ("initial", "message"),
-    [
-        ({"bead": 3, "displacement": 0.1}, "initial.bead: 3 is outside the array (beads 1 to 2)"),
-        ({"bead": 1}, "displacement: is missing; give a displacement, a velocity or both"),
-        ({"displacement": 1.0}, "bead: is missing; give the number of a bead, a list of displacements, or a"),
-        ({"displacement": [0.1]}, "initial: has 1 values for the 2 beads of the chain"),
-        ({"displacement": [0.1, 0.2], "velocity": [0.1]}, "the lists of displacements and velocities differ in length"),
-        ({"bead": 1, "velocity": [0.1, 0.2]}, "bead: give either a list with a value of every bead or one bead"),
-        ({"bead": 1, "table": [[1, 1, 0.0, 1.0]]}, "bead: give either a table or one bead (both are given)"),
-        ({"table": [[1, 1, 0.0, 1.0], [1, 1, 0.1, 0.0]]}, "initial.table: names bead 1 of chain 1 twice"),
-        ({"table": [[2, 1, 0.0, 1.0]]}, "initial: chain 2 is outside the array (1 to 1;"),
-        ([{"bead": 1, "velocity": 1.0}] * 2, "initial[2]: names bead 1 of chain 1, which an entry before does, too"),
-        ({"bead": 2, "displacement": 0.3}, "kick: is missing; at least one bead must be kicked, or a striker"),
-        ({"table": "start.csv"}, "a file's name may stand in a scene's file only"),
-        ({"table": "bead,speed\n1,2\n"}, "line 1: 'bead, speed' found; valid: `chain,bead,displacement,velocity`"),
-        ({"table": "bead,velocity\n1,x\n"}, "line 2: '1,x' found; valid: numbers for bead, velocity"),
-        ({"table": "bead,velocity\n1.5,1\n"}, "line 2: '1.5,1' found"),
-    ],
-)
-def test_what_is_no_initial_state_is_refused_in_one_line(initial, message):
-    with pytest.raises(InputError) as refused:
-        scene({}, initial=initial)
-    assert message in str(refused.value)
-    assert "\n" not in str(refused.value)

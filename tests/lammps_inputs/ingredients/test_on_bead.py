@@ -12,7 +12,7 @@ from plain_scene import scene
 from wrong_runs import causes
 
 from analysis.conservation import ConservationMeter
-from lammps_inputs import InputError, file_names, library, physics, strict_yaml
+from lammps_inputs import file_names, library, physics, strict_yaml
 from lammps_inputs.decks import scene_files
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.on_bead import MOST_POINTS
@@ -74,31 +74,6 @@ def test_a_table_is_read_from_beside_the_scene_and_written_into_it(tmp_path):
     assert one.scale.velocity == pytest.approx(3.0, rel=1e-15)
 
 
-@pytest.mark.parametrize(
-    ("content", "complaint"),
-    [
-        ("0,0\n1,x\n", "force.csv:2: '1,x' found; two numbers are needed, time and force"),
-        ("0,0\n1,2,3\n", "force.csv:2: '1,2,3' found"),
-        ("0,0\n", "push.table: has 1 points"),
-        ("0,0\n2,1\n1,0\n", "force.csv:3: times must increase; 1 follows 2"),
-        ("0,0\n2,1\n", "end with a force of 0, or the force would jump, here by 1 at time 2"),
-        ("1,1\n2,0\n", "end with a force of 0, or the force would jump, here by 1 at time 1"),
-        ("0,0\n2,0\n", "push.table: has no force"),
-        ("none.csv", "none.csv: the table of a push cannot be read: No such file"),
-        ("/dev/zero", "/dev/zero: the table of a push cannot be read: it is larger than 16 MiB"),
-    ],
-)
-def test_a_table_that_is_none_is_one_line(content, complaint, tmp_path):
-    name = "force.csv" if "\n" in content else content
-    if name != content:
-        (tmp_path / name).write_text(content)
-    (tmp_path / "a.yaml").write_text(f"name: a\nbeads: 20\nduration: 10\npush: {{table: {name}}}\n")
-    with pytest.raises(InputError) as caught:
-        library.find(str(tmp_path / "a.yaml"))
-    assert complaint in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
 def test_a_table_of_any_length_survives_being_written_down():
     rng = np.random.default_rng(3)
     times = np.cumsum(rng.uniform(1e-9, 1e-3, MOST_POINTS))
@@ -107,11 +82,6 @@ def test_a_table_of_any_length_survives_being_written_down():
         {"name": "long", "beads": 20, "duration": 10, "push": {"table": [*points, [99.0, 0.0]]}}, "x"
     )
     assert library.from_plain(strict_yaml.parse(library.render_scene(one), "x"), "x") == one.resolved()
-
-
-def test_lines_of_a_table_in_a_scene_that_are_no_points_are_named():
-    with pytest.raises(InputError, match=r"push\.table: line 2: '1,x' found; two numbers are needed, time and force"):
-        pushed('{table: "0,0\\n1,x\\n"}')
 
 
 def test_the_formula_of_a_table_names_steps_not_variables_that_lammps_reads_again_at_each_place():
@@ -222,25 +192,6 @@ def test_a_record_of_100_000_velocities_of_a_sine_moves_the_beads_as_the_sine_in
     assert apart < 1e-6  # (omega h)^2 / 8 = 2.5e-9 at the driven bead
     assert recorded.check.velocity == pytest.approx(harmonic.check.velocity, rel=1e-3)
     assert (tmp_path / "run" / file_names.TABLES).is_file()
-
-
-@pytest.mark.parametrize(
-    ("content", "drive", "complaint"),
-    [
-        ("time,velocity\n0,0\n1,x\n", "", "m.csv:3: '1,x' found; two numbers are needed, time and displacement or vel"),
-        ("0,0\n1,2\n", "", "quantity: is missing; a table without names of its columns needs it"),
-        ("time,velocity\n0,0\n1,2\n", ", quantity: displacement", "m.csv:1: the column velocity is named, but drive.q"),
-        ("time,velocity\n0,0\n1,2\n1,3\n", "", "m.csv:4: times must increase; 1 follows 1"),
-        ("time,displacement\n0,1\n1,2\n", "", "must begin with a displacement of 0"),
-    ],
-)
-def test_a_table_of_a_motion_that_is_none_is_one_line(content, drive, complaint, tmp_path):
-    (tmp_path / "m.csv").write_text(content)
-    (tmp_path / "a.yaml").write_text(f"name: a\nbeads: 20\nduration: 10\ndrive: {{table: m.csv{drive}}}\n")
-    with pytest.raises(InputError) as caught:
-        library.find(str(tmp_path / "a.yaml"))
-    assert complaint in str(caught.value)
-    assert "\n" not in str(caught.value)
 
 
 def test_a_motion_from_a_file_is_written_into_the_scene_with_what_its_first_line_says(tmp_path):

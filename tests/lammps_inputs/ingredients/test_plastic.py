@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from executables import RELEASES
 from plain_scene import goes_on_bit_for_bit
-from refusals import refusal
 from stock_lammps import run as run_deck
 from stock_lammps import scene
 from wrong_runs import deck_run, substituted
@@ -28,7 +27,6 @@ from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.ingredients.unequal import neighbours
 from lammps_inputs.laws.contact import Hertz
 from lammps_inputs.laws.plastic import LargestOverlap, Thornton, WaltonBraun
-from lammps_inputs.library import render_scene
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
 from workflow.measures.plastic import power_law
@@ -396,19 +394,6 @@ def test_two_ranks_compute_the_bits_of_one(name, tmp_path):
 def test_the_release_of_2021_computes_the_same(name, lmp_of, tmp_path):
     new, old = (run_deck(diverse(name), tmp_path / release, executable=lmp_of(release)) for release in RELEASES)
     np.testing.assert_allclose(old.velocity, new.velocity, rtol=0.0, atol=1e-11)
-
-
-def test_lammps_refuses_walton_and_braun_s_law_in_one_line():
-    assert "LAMMPS has no such force" in deck.refusal(plastic(WALTON).system)
-
-
-@pytest.mark.parametrize("command", [["run", "--engine", "lammps"], ["deck"]], ids=lambda words: words[0])
-def test_lammps_refuses_more_than_4000_beads_whose_contacts_yield_in_one_line(command, tmp_path, capsys):
-    few, many = (plastic(beads=beads) for beads in (4000, 4001))
-    assert deck.refusal(few.system) == ""
-    (tmp_path / "many.yaml").write_text(render_scene(many))
-    line = refusal([*command, tmp_path / "many.yaml", "-o", tmp_path / "out"], capsys)
-    assert "contacts that yield for at most 4000 beads, 4001 given; use the reference engine" in line
 
 
 @pytest.mark.slow

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pytest
 
-from lammps_inputs import InputError
 from workflow.plugins.adopt.deck_text import MARK, Deck, logical_lines, refusal, words_of
 
 
@@ -91,8 +90,3 @@ def test_a_missing_include_is_named_with_its_line(tmp_path: Path) -> None:
     deck.write_text("units lj\ninclude more\n")
     (command,) = (command for command in Deck(deck).commands if command.refusal)
     assert (command.line, command.refusal) == (2, "there is no such file")
-
-
-def test_a_missing_deck_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no such file"):
-        Deck(tmp_path / "in.chain")

@@ -51,7 +51,6 @@ QUANTITIES = ("peak_velocity@12", "arrival@12")
 
 
 WHOLE = [name for name in KNOWN if name in QUANTITIES_OF_RUNS and QUANTITIES_OF_RUNS[name].place.quantity.counts]
-ERRORS = [name for name in KNOWN if name.endswith("_uncertainty") or name == "energy_drift"]
 
 
 def scene_of(keys):
@@ -113,26 +112,6 @@ def test_quantities_that_are_undefined_have_no_derivative():
 def test_without_fields_all_numbers_of_the_scene_are_varied():
     lines = gradient(scene_of({**PAIR, "gap": 0}), ["peak_velocity@12"], None, "pair")
     assert [line.field for line in lines] == ["coupling.stiffness", "kick.velocity"]
-
-
-@pytest.mark.parametrize(
-    ("name", "reason"),
-    [
-        ("gap", "it is not there"),
-        ("chains", "it counts something"),
-        ("duration", "it says how, or how long, a scene is computed"),
-        ("coupling.stifness", "a scene has no field 'coupling.stifness'"),
-    ],
-)
-def test_fields_without_derivative_are_refused(name, reason):
-    with pytest.raises(InputError, match=reason):
-        gradient(scene_of(PAIR), ["peak_velocity@12"], [name], "pair")
-
-
-@pytest.mark.parametrize("name", [*WHOLE, *ERRORS])
-def test_quantities_that_change_in_jumps_or_are_errors_are_refused_with_another_to_ask_for(name):
-    with pytest.raises(InputError, match=rf"^pair: --gradient: {name} is an?.*; ask for \w+"):
-        gradient(scene_of(PAIR), [name], ["coupling.stiffness"], "pair")
 
 
 def test_quantities_that_are_whole_numbers_are_those_of_whole_numbers_in_results():

@@ -364,23 +364,3 @@ def test_steps_along_derivatives_end_where_the_objective_is_stationary(tmp_path,
     assert abs(line["relative"]) < 1e-4
     assert report["asked"] <= 21
     assert 0.05 < report["best"]["coupling.stiffness"] < 0.3
-
-
-@pytest.mark.parametrize(
-    ("changes", "reason"),
-    [
-        ({}, "no varied field is one number"),
-        (
-            {
-                "scene": {**SCENE, "contact": {"yield": {"overlap": 0.1}}},
-                "vary": {"coupling.stiffness": {"from": 0.1, "to": 1}},
-            },
-            "contacts that yield",
-        ),
-        ({"minimize": "front"}, "front is a whole number, which changes in jumps; ask for arrival@BEAD"),
-    ],
-)
-def test_steps_along_derivatives_are_refused_before_the_search(changes, reason, tmp_path, capsys):
-    assert main(["design", str(written(tmp_path, **changes)), "-o", str(tmp_path / "d"), "--gradient"]) == 2
-    assert reason in capsys.readouterr().err
-    assert not (tmp_path / "d").exists()

@@ -26,8 +26,3 @@ def test_the_page_of_a_cell_is_a_frame_of_a_server_that_ends_with_close():
         urllib.request.urlopen(address)
     for thread in set(threading.enumerate()) - threads:
         thread.join()  # of the tab's computation
-
-
-def test_a_scene_that_there_is_not_is_refused_before_a_server_is_started():
-    with pytest.raises(granchain.InputError, match="neither a file nor an installed scene"):
-        granchain.explore("no-scene")

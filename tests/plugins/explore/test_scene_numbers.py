@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from refusals import refusal
 
 import granchain
 from lammps_inputs import InputError
@@ -124,11 +123,3 @@ def test_a_changed_number_compiles_nothing(capsys):
     capsys.readouterr()
     computed(granchain.load(SCENE, {"coupling.stiffness": 0.2, "kick.velocity": 0.7, "beads": 25}))
     assert capsys.readouterr().err == ""
-
-
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [(["explore", "no-scene"], "no-scene"), (["explore", "two-chains", "--port", "1000000"], "--port: 1000000")],
-)
-def test_a_scene_or_port_that_cannot_be_had_is_one_line(words, says, capsys):
-    assert says in refusal(words, capsys)

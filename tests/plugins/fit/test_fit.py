@@ -286,14 +286,6 @@ def test_slopes_are_those_of_the_traces_also_where_one_side_is_no_scene(edge):
     assert model.slopes(np.zeros(2))[0, 0] == pytest.approx([3.0, 2.0], rel=1e-9)
 
 
-def test_a_table_in_units_is_of_no_scene_without(tmp_path):
-    data = tmp_path / "data.csv"
-    data.write_text("time (us),velocity_1_3 (m/s)\n0,0\n1,0.1\n2,0\n")
-    reduced = {"name": "a", "beads": 30, "kick": {"velocity": 1.0}, "duration": 20.0}
-    with pytest.raises(granchain.InputError, match="is in reduced units"):
-        granchain.fit(reduced, data, "kick.velocity", tmp_path / "out")
-
-
 @pytest.mark.slow
 def test_derivatives_along_the_flow_are_those_of_differences_and_fit_the_same(found, tmp_path, monkeypatch):
     monkeypatch.setattr(study, "STARTS", 1)
@@ -310,9 +302,3 @@ def test_derivatives_along_the_flow_are_those_of_differences_and_fit_the_same(fo
     for name in before:
         width = before[name]["high"] - before[name]["low"]
         assert abs(after[name]["value"] - before[name]["value"]) < 1e-3 * width
-
-
-def test_derivatives_along_the_flow_need_forces_with_a_slope(tmp_path, capsys):
-    plastic = {**measured.scene(), "contact": {"yield": {"overlap": 1e-6}}}
-    assert fit(tmp_path, "--gradient", scene=plastic, free="coupling.stiffness") == 2
-    assert "contacts that yield" in capsys.readouterr().err

@@ -49,11 +49,6 @@ def test_all_meanings_of_a_word_stand_where_they_hold_the_phrase(capsys):
     assert "uncertainty of each amplitude" in text
 
 
-def test_help_refuses_a_phrase_that_no_page_has(capsys):
-    assert main(["help", "leading", "elephant"]) == 2
-    assert "'leading elephant' is no key of a scene" in capsys.readouterr().err
-
-
 @pytest.mark.parametrize("name", QUANTITIES)
 def test_help_says_where_a_quantity_stands(name, capsys):
     lines = said(capsys, "help", name).splitlines()

@@ -542,11 +542,6 @@ def test_an_array_refuses_another_list_of_cases_than_it_was_made_for(tmp_path):
     assert "cases.txt is not the list of this array" in go(tmp_path, SLURM_ARRAY_TASK_ID=0)
 
 
-def test_more_ranks_than_rows_are_refused():
-    with pytest.raises(InputError, match="8 ranks in all, but ranks divide the 4 rows"):
-        job.render_job(JobOptions(nodes=2, ranks_per_node=4), scene(beads=4).problem())
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "frames",
@@ -574,26 +569,6 @@ def test_what_a_run_directory_from_someone_else_holds_reaches_no_shell_and_no_ot
 
 
 # --- a site's defaults ------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("", "is empty; a site's file holds defaults of the options of jobs"),
-        ("partitoin: long\n", "partitoin: unknown key (did you mean `partition`?)"),
-        ("nodes: two\n", "nodes: should be a whole number, 'two' given"),
-        ("time: 90\n", "time: should be text, 90 given"),
-        ("time: 1h\n", "time: should be HH:MM:SS or D-HH:MM:SS, from a minute to a year ('1h' given)"),
-        ("margin: 120\ntime: 00:02:00\n", "margin: 120 s leave nothing of a time of 00:02:00"),
-        ("modules: gcc\n", "modules: should be a list"),
-    ],
-)
-def test_a_mistake_in_a_site_is_one_line_that_names_file_and_key(text, says, tmp_path):
-    path = tmp_path / "site.yaml"
-    path.write_text(text)
-    with pytest.raises(InputError, match=re.escape(f"{path}: {says}")) as caught:
-        site.load(path)
-    assert len(str(caught.value).splitlines()) == 1
 
 
 def test_a_site_is_found_where_the_environment_says_else_at_home(tmp_path, monkeypatch):

@@ -16,7 +16,7 @@ from processes import HANGS, wait_until
 from stock_lammps import MPIEXEC, WHEEL, scene
 from stock_lammps import run as run_stock
 
-from lammps_inputs import InputError, file_names, strict_yaml
+from lammps_inputs import file_names, strict_yaml
 from lammps_inputs.decks import scene_files
 from workflow.cli import main
 from workflow.plugins.jobs import job, job_files, schedulers, site
@@ -114,46 +114,6 @@ def test_a_job_is_at_most_sixty_three_lines_of_shell_beside_its_requests_and_com
 
 
 *_OTHERS, _LAST = map(repr, SCHEDULERS)
-
-NAMES = f"{', '.join(_OTHERS)} or {_LAST}"
-"""All names of schedulers, as a message lists them."""
-
-
-@pytest.mark.parametrize(
-    ("options", "says"),
-    [
-        (
-            {"scheduler": "sge", "qos": "high"},
-            "qos: Grid Engine has no such option; it has partition, account, parallel_environment, node_environment",
-        ),
-        (
-            {"scheduler": "pbs", "constraint": "milan"},
-            "constraint: PBS Professional has no such option; it has partition, account",
-        ),
-        (
-            {"parallel_environment": "mpi"},
-            "parallel_environment: Slurm has no such option; it has partition, account, qos, constraint",
-        ),
-        ({"scheduler": "pbs", "partition": "a,b"}, "partition: PBS Professional takes one queue, 'a,b' given"),
-        ({"scheduler": "cron"}, f"scheduler: should be {NAMES}, 'cron' given"),
-    ],
-    ids=str,
-)
-def test_an_option_that_a_scheduler_does_not_have_is_one_line_that_names_what_it_has(options, says, tmp_path):
-    path = tmp_path / "site.yaml"
-    path.write_text(json.dumps(options))
-    with pytest.raises(InputError) as caught:
-        site.load(path)
-    assert str(caught.value) == f"{path}: {says}"
-
-
-def test_where_the_command_line_names_another_scheduler_the_site_s_option_is_refused_by_its_file(tmp_path):
-    path = tmp_path / "site.yaml"
-    path.write_text("qos: high\n")
-    with pytest.raises(
-        InputError, match=f"^{path}: qos: PBS Professional has no such option; it has partition, account$"
-    ):
-        site.options({"scheduler": "pbs"}, path)
 
 
 def test_a_job_is_for_the_scheduler_of_the_site_and_replaces_one_for_another(tmp_path, monkeypatch, capsys):

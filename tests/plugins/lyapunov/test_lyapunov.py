@@ -153,23 +153,6 @@ def test_command_writes_tables_and_says_for_how_long_a_run_can_be_predicted(tmp_
     assert answer["exponents"][0]["exponent"] == value  # from the cache
 
 
-@pytest.mark.parametrize(
-    ("options", "says"),
-    [
-        (["plastic-contacts"], "plastic-contacts: the equations cannot be linearised: contacts that yield"),
-        (["two-chains", "--duration", "1"], "--duration: 1 given; at least "),
-        (["dimer", "--beads", "9"], "unrecognized"),
-        (["one-chain", "--exponents", "9000"], "--exponents: 9000 given; the scene has "),
-    ],
-)
-def test_wrong_requests_are_refused_in_one_line(options, says, tmp_path, capsys):
-    assert main(["lyapunov", *options, "-o", str(tmp_path / "out")]) == 2
-    error = capsys.readouterr().err
-    assert says in error
-    assert error.count("\n") == 1
-    assert not (tmp_path / "out").exists()
-
-
 def test_a_duration_of_0_is_refused_by_the_function(tmp_path):
     with pytest.raises(InputError, match=r"^duration: 0 given; a number, above 0"):
         granchain.lyapunov(CHAOTIC, tmp_path / "new", duration=0)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from analysis import motion
-from lammps_inputs import InputError
 from workflow.cli import main
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes import branches, continuation, floquet, lammps_check, linear, shooting, study
@@ -244,55 +243,7 @@ def test_decks_of_states_with_foundations_and_resonators_start_on_them():
     assert problem.chains == 2
 
 
-# --- refusals and the command -----------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("changes", "says"),
-    [
-        ({"damping": {"beads": 0.1}}, "damping dissipates energy"),
-        ({"kick": None, "drive": {"displacement": 0.05, "frequency": 0.4}}, "a driven bead does work"),
-        ({"kick": None, "push": {"shape": "half-sine", "peak": 0.3, "duration": 2}}, "a push does work"),
-        ({"foundation": {"stiffness": {"from": 0.2, "to": 0.6, "times": [3, 9]}}}, "a foundation that varies in time"),
-        ({"precompression": None}, "contacts that only touch have no stiffness at rest"),
-        ({"precompression": None, "foundation": {"stiffness": 1}, "chains": 2}, None),
-        (
-            {"precompression": None, "chains": 2, "coupling": {"stiffness": 1}},
-            "12 of 24 linear modes have the frequency 0",
-        ),
-        ({"beads": 700}, "700 atoms; at most 600 for periodic states"),
-    ],
-)
-def test_scenes_without_such_modes_are_refused_in_one_line(changes, says, tmp_path, capsys):
-    scene = {key: value for key, value in {**CHAIN, **changes}.items() if value is not None}
-    path = tmp_path / "scene.yaml"
-    path.write_text(json.dumps(scene))
-    assert main(["modes", str(path), "-o", str(tmp_path / "out")]) == 2
-    error = capsys.readouterr().err
-    assert (says or "--mode: each linear mode shares its frequency with another") in error
-    assert error.count("\n") == 1
-    assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize(
-    ("options", "says"),
-    [
-        (["--mode", "13"], "--mode: 13 given; the scene has modes 1 to 12"),
-        (["--at-energy", "2", "--energy", "1"], "--at-energy: 2 given; above 0, and at most the largest energy, 1"),
-        (["--mode", "a"], "'a' given; whole numbers"),
-    ],
-)
-def test_wrong_options_are_refused_in_one_line(options, says, tmp_path, capsys):
-    path = tmp_path / "scene.yaml"
-    path.write_text(json.dumps(CHAIN))
-    assert main(["modes", str(path), "-o", str(tmp_path / "out"), *options]) == 2
-    assert says in capsys.readouterr().err
-
-
-def test_yielding_contacts_are_refused():
-    scene = {"name": "plastic", "beads": 9, "kick": {"velocity": 1}, "contact": {"yield": {"overlap": 0.1}}}
-    with pytest.raises(InputError, match="contacts that yield"):
-        tangent.problem_of(scene | {"duration": 1}, "scene")
+# --- the command ------------------------------------------------------------------------------------------------------
 
 
 def test_the_command_writes_tables_arrays_and_figures(tmp_path, capsys):

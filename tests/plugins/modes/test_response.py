@@ -23,10 +23,6 @@ DRIVEN = {
 STIFFNESS = 1.5  # of a contact of force overlap^1.5 under a load of 1
 
 
-def without(scene, *keys):
-    return {key: value for key, value in scene.items() if key not in keys}
-
-
 def curve_of(scene, low, high, further=()):
     """Time unit, velocity unit and the curve between two frequencies, with responses of further ones."""
     scale = tangent.problem_of(scene, "scene").scale
@@ -209,55 +205,7 @@ def test_lammps_moves_a_bead_of_prescribed_motion_on_from_step_to_step():
     assert abs(x[0, 0, 0]) < 1e-12  # the motion is displaced by its start, so that it begins at rest's place
 
 
-# --- refusals and the command -----------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("changes", "words", "says"),
-    [
-        ({"drive": None, "damping": None, "kick": {"velocity": 1}}, "", "drive: is missing"),
-        ({"damping": None}, "", "damping: is missing"),
-        ({}, None, "a driven bead does work; `--frequencies LOW,HIGH` gives its responses"),
-        ({"damping": {"contact": 0.1, "tension": "cut"}}, "", "with `tension: cut` the force of dashpots jumps"),
-        (
-            {"drive": [{"force": 1, "frequency": 0.3}, {"force": 1, "frequency": 0.2, "bead": 2}]},
-            "",
-            "drive: has the frequencies 0.2, 0.3",
-        ),
-        ({"push": {"peak": 1, "duration": 3, "shape": "half-sine"}}, "", "push: is not sinusoidal"),
-        ({"foundation": {"stiffness": {"from": 0.2, "to": 0.6, "times": [3, 9]}}}, "", "foundation: varies in time"),
-        ({"window": 50, "beads": 200}, "", "window"),
-        ({"precompression": None}, "", "contacts need a load (`precompression`)"),
-        ({"walls": None}, "", "small deviations from rest do not all decay"),
-        ({"beads": 700}, "", "700 atoms; at most 600"),
-        ({}, "--bead 1,3", "--bead: chain 1, bead 3 given"),
-        (
-            {"drive": {"displacement": 0.1, "frequency": 0.3}},
-            "--bead 1,1",
-            "a bead of the scene whose motion is not given",
-        ),
-        ({}, "--bead 1", "--bead: 1 numbers given"),
-        ({}, "--mode 1", "--mode: does not go with `--frequencies`"),
-        ({}, "--frequencies 0.4,0.3", "--frequencies: 0.4,0.3 given; LOW,HIGH with 0 < LOW < HIGH"),
-        ({}, "--frequencies 0.4", "--frequencies: 0.4 given"),
-    ],
-)
-def test_what_has_no_responses_is_refused_in_one_line(changes, words, says, tmp_path, capsys):
-    path = tmp_path / "scene.yaml"
-    path.write_text(json.dumps({key: value for key, value in (DRIVEN | changes).items() if value is not None}))
-    options = [] if words is None else ["--frequencies", "0.3,0.4", *words.split()]
-    assert main(["modes", str(path), "-o", str(tmp_path / "out"), *options]) == 2
-    error = capsys.readouterr().err
-    assert says in error
-    assert error.count("\n") == 1
-    assert not (tmp_path / "out").exists()
-
-
-def test_options_of_responses_are_refused_for_modes(tmp_path, capsys):
-    path = tmp_path / "scene.yaml"
-    path.write_text(json.dumps(without(DRIVEN, "drive", "damping") | {"kick": {"velocity": 1}}))
-    assert main(["modes", str(path), "--sweep", "5", "-o", str(tmp_path / "out")]) == 2
-    assert "--sweep: belongs to `--frequencies`" in capsys.readouterr().err
+# --- the command ------------------------------------------------------------------------------------------------------
 
 
 def test_the_command_writes_the_curve_in_units_of_the_scene(tmp_path, capsys):

@@ -127,21 +127,6 @@ def test_peaks_of_a_run_of_other_physics_are_those_of_its_own_scene(runs):
     assert largest == pytest.approx(np.max(np.abs(arrivals[0] - arrivals[1])), rel=0.3)
 
 
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ({"beads": 41}, "it has 41 beads, and"),
-        ({"chains": 3, "coupling": {"stiffness": 0.1}}, "it has 3 chains, and"),
-        ({"kick": {"velocity": 2.0}}, "its unit V is 2, and that of"),
-        ({"output": {"every": 0.1 * np.sqrt(2)}}, "only their starts are at one time"),
-    ],
-)
-def test_runs_that_cannot_be_compared_are_refused_in_one_line(change, words, made, tmp_path, capsys):
-    granchain.run({**SCENE, **change}, tmp_path / "other", engine="reference")
-    assert words in refusal(["view", made / "A", "--against", tmp_path / "other"], capsys)
-    assert not list((made / "A").glob("against-other*"))
-
-
 def test_a_page_of_a_comparison_is_listed_and_replaces_no_file_of_the_user(made, tmp_path, capsys):
     copy = shutil.copytree(made / "A", tmp_path / "copy")
     (copy / "against-B.html").write_text("mine")

@@ -8,7 +8,8 @@ from stock_lammps import scene
 
 from analysis.quantity import declared
 from analysis.trajectory import joined
-from lammps_inputs import InputError, find, strict_yaml
+from lammps_inputs import find, strict_yaml
+from lammps_inputs.library import from_plain
 from workflow.cli import main
 from workflow.plugins.rigid import engine as collisions
 from workflow.plugins.rigid import events
@@ -130,6 +131,9 @@ def test_collisions_that_follow_rounding_are_marked_and_named_by_run_and_analyze
     assert np.array_equal(np.isnan(analysis.survey.waves.peak_velocity_error), late)
 
 
-def test_an_unknown_engine_is_refused(tmp_path):
-    with pytest.raises(InputError, match="'gromacs' given; lammps, reference or collisions"):
-        run(gapped(), tmp_path / "run", engine="gromacs")
+def test_rigid_beads_have_no_hertzian_contacts(tmp_path):
+    steel = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
+    plain = {"name": "rigid", "beads": 4, "gap": 1e-5, "material": steel, "kick": {"velocity": 1.0}, "duration": 1e-4}
+    result = run(from_plain(plain, "rigid"), tmp_path / "run", engine="collisions")
+    assert result.directory.job.contacts is None
+    assert "contacts" not in analyse(result.directory, figures=False).measurements

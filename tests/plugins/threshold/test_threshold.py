@@ -12,10 +12,8 @@ from lammps_inputs import InputError, strict_yaml
 from workflow.cli import main
 from workflow.plugins.threshold import study
 from workflow.plugins.threshold.crossings import SearchedField, crossings, wanted
-from workflow.quantities.columns import refuse_unknown
 from workflow.quantities.evaluate import scene_to_run
 from workflow.study_kit import directory as studying
-from workflow.study_kit import options
 
 pytestmark = pytest.mark.usefixtures("pool_here")
 
@@ -230,33 +228,9 @@ def test_the_examples_of_its_help_find_thresholds(example, tmp_path, monkeypatch
     assert all(0.02 < float(one["place"]) < 0.5 for one in found)
 
 
-@pytest.mark.parametrize("name", ["in_resonators", "wall_seconds"])
-def test_a_quantity_that_only_the_analysis_of_a_run_directory_finds_is_refused(name):
-    with pytest.raises(InputError, match=f"'{name}' is no quantity; known are mass, wall_force"):
-        refuse_unknown(name, "--quantity", "quantity")
-
-
-@pytest.mark.parametrize(
-    ("name", "says"),
-    [
-        ("speed@x", "should end in the number of a bead, such as speed@100"),
-        ("speeed", r"is no quantity \(did you mean `speed`\?\)"),
-        ("speed@25", "speed@25: the chains have 24 beads"),
-    ],
-)
-def test_a_quantity_at_a_bead_that_is_none_is_refused(name, says):
-    def refuse():
-        refuse_unknown(name, "--where", "quantity")
-        scene_to_run(CHAIN, (name,), "chain")
-
-    with pytest.raises(InputError, match=says):
-        refuse()
-
-
-@pytest.mark.parametrize("text", ["disorder={mass: 1}", "disorder.mass=0.1,1e-1", "beads="])
-def test_values_of_a_second_field_that_are_no_different_ones_are_refused(text):
-    with pytest.raises(InputError, match=r"--over: .*such as chains=2,3,4"):
-        options.second_field(text)
+def test_a_quantity_at_a_bead_that_there_is_not_is_refused():
+    with pytest.raises(InputError, match="speed@25: the chains have 24 beads"):
+        scene_to_run(CHAIN, ("speed@25",), "chain")
 
 
 def test_no_quantity_is_refused_by_the_function(tmp_path):

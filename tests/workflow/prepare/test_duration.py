@@ -7,7 +7,7 @@ import pytest
 from stock_lammps import scene
 
 from analysis.gauges.gauge import PULSE, far_wall
-from lammps_inputs import InputError, library
+from lammps_inputs import library
 from workflow.engines.reference import engine
 from workflow.measures.forces.force_meter import ForceMeter
 from workflow.prepare.duration import with_duration
@@ -62,17 +62,3 @@ def test_where_the_force_on_walls_is_read_the_end_waits_for_the_pulse_at_the_far
         above = found.force[:, chain, 0] - found.static[chain, 0]
         released = (found.time > found.at[chain, 0]) & (above <= PULSE * found.dynamic[chain, 0])
         assert found.time[released].min() < problem.duration - AFTER + 0.2
-
-
-@pytest.mark.slow
-def test_a_wall_that_is_not_hit_in_time_is_one_line_that_names_it():
-    plain = {"name": "a", "beads": 5, "walls": {"right": "bead"}, "kick": {"velocity": 1.0}, "until_bead": 2}
-    plain |= {"damping": {"beads": 1.0}, "output": {"forces": {"wall": True}}}
-    with pytest.raises(InputError, match=r"^until_bead: .*give a duration$"):
-        with_duration(library.from_plain(plain, "a"))
-
-
-def test_a_bead_that_uncoupled_chains_do_not_pass_is_refused_with_that_cause():
-    uncoupled = scene(chains=2, kappa=1e-8, beads=6, duration=None, until_bead=4)
-    with pytest.raises(InputError, match=r"^until_bead: bead 4 is not passed.*practically uncoupled.*give a duration$"):
-        with_duration(uncoupled)

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from refusals import refusal
 from small_problems import problem as small_problem
 
 from analysis.compare.common_times import on_common_rows
@@ -202,11 +201,6 @@ def test_for_a_step_that_does_not_divide_the_cadence_the_next_shorter_one_that_d
     assert scene(timestep=suggested, output=Output(every=every)).problem().timestep == pytest.approx(nearest, rel=1e-9)
 
 
-def test_where_frames_are_too_far_apart_no_step_is_named_that_divides_their_distance():
-    with pytest.raises(InputError, match=r"output\.every: frames are 5 apart, .*; at most 2$"):
-        scene(timestep=0.0083, output=Output(every=5.0))
-
-
 @pytest.mark.parametrize("scheme", ["verlet", "suzuki4"])
 @pytest.mark.parametrize("step", [1e-3, 0.0136, 0.012, 0.07, 0.0083, 0.3])
 def test_without_a_cadence_frames_are_as_many_whole_steps_apart_as_fit_into_a_tenth_of_t(step, scheme):
@@ -359,16 +353,6 @@ def beyond(factor, scene=SMALL["one chain"]):
     problem = scene.problem()
     step = factor * stability_bound(problem.system) * scene.scale.time
     return scene.model_copy(update={"timestep": step, "output": Output(every=step)})
-
-
-@pytest.mark.parametrize("command", ["run", "deck", "validate"])
-def test_a_step_above_the_stability_bound_is_refused_in_one_line_before_anything_is_written(tmp_path, capsys, command):
-    path, out = written(tmp_path, beyond(1.01)), tmp_path / "out"
-    told = refusal([command, path, "-o", out], capsys)
-    assert told.startswith(f"{path}: timestep: {beyond(1.01).timestep:g} is unstable, above the bound of 0.798")
-    assert "leave it out for an accuracy of 0.0002 V" in told
-    assert "--force" in told
-    assert not out.exists()
 
 
 def test_show_warns_of_a_step_above_the_stability_bound(tmp_path, capsys):

@@ -54,21 +54,8 @@ def test_the_new_run_needs_the_old_directory_no_more_and_names_it_by_its_checksu
 
 
 def test_a_run_that_cannot_be_continued_is_refused_in_one_line(first, tmp_path):
-    cases = {
-        "has 2 x 8 beads, and this scene 2 x 9": {"beads": 9},
-        "is no run directory": {"initial": {"run": "absent"}},
-        "give either a table or a run": {"initial": {"run": "first", "table": [[1, 1, 0.0, 1.0]]}},
-        "displacements would need the past of contacts that yield": {
-            "contact": {"yield": {"overlap": 0.1}},
-            "initial": {"bead": 1, "displacement": 0.1},
-            "resonators": None,
-        },
-    }
-    for message, keys in cases.items():
-        with pytest.raises(InputError) as refused:
-            scene(first, **{"initial": {"run": "first"}, "duration": 2.0, **keys})
-        assert message in str(refused.value)
-        assert "\n" not in str(refused.value)
+    with pytest.raises(InputError, match="has 2 x 8 beads, and this scene 2 x 9"):
+        scene(first, initial={"run": "first"}, duration=2.0, beads=9)
     few = {"kick": {"velocity": 1.0}, "duration": 1.0, "output": {"every": 0.5, "beads": [3]}}
     run(scene(first, **few), tmp_path / "few", check=False)
     with pytest.raises(InputError, match="frames hold 1 of 8 beads"):

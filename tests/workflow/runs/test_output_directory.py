@@ -103,23 +103,6 @@ def test_overwriting_removes_what_is_listed(tmp_path: Path) -> None:
     assert "waves.csv" not in load(tmp_path / RECORD).files
 
 
-@pytest.mark.parametrize("command", ["run --engine reference", "deck"])
-@pytest.mark.parametrize("name", ["notes.txt", "run.json.orig", "chapter/"])
-def test_a_run_beside_something_of_the_users_is_not_overwritten(
-    tmp_path: Path, command: str, name: str, capsys: Printed
-) -> None:
-    run(scene(), tmp_path / "run", engine="reference")
-    path = tmp_path / "run" / name
-    path.mkdir() if name.endswith("/") else path.write_text("mine")
-    before = contents(tmp_path / "run")
-    message = refusal(
-        [*command.split(), scene_file(tmp_path / "s.yaml"), "-o", tmp_path / "run", "--overwrite"], capsys
-    )
-    assert message.startswith(f"{path}: is not listed in run.json as written by granchain")
-    assert contents(tmp_path / "run") == before
-    assert path.exists()
-
-
 @pytest.mark.parametrize("name", [".nfs00000001", ".DS_Store"])
 def test_hidden_files_of_a_system_stay_where_a_run_is_overwritten(tmp_path: Path, name: str) -> None:
     run(scene(), tmp_path, engine="reference")
@@ -149,16 +132,6 @@ def test_whoever_stands_in_a_directory_or_reaches_it_by_a_link_has_the_new_run_t
         assert main([*words, "-o", place]) == 0
     assert os.path.samestat(Path().stat(), directory.stat())
     assert (tmp_path / "link").is_symlink()
-
-
-@pytest.mark.parametrize("command", ["analyze", "validate"])
-def test_a_report_does_not_replace_a_file_of_the_users(tmp_path: Path, command: str, capsys: Printed) -> None:
-    run(scene(), tmp_path, engine="reference")
-    for name in ("waves.csv", "validation.json"):
-        (tmp_path / name).write_text("mine")
-    assert main([command, str(tmp_path)]) == 2
-    assert "is not listed in run.json" in capsys.readouterr().err
-    assert (tmp_path / "waves.csv").read_text() == (tmp_path / "validation.json").read_text() == "mine"
 
 
 def test_a_run_does_not_overwrite_what_a_study_made(tmp_path: Path, capsys: Printed) -> None:

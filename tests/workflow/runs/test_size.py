@@ -2,7 +2,6 @@
 
 import pytest
 from bad_scenes import scene_text
-from refusals import refusal
 
 from lammps_inputs import file_names, library
 from lammps_inputs.output import Limits
@@ -44,25 +43,6 @@ def test_steps_frames_and_bytes_are_those_of_the_run(tmp_path):
     assert size.bytes == pytest.approx(dumped, rel=0.01)
 
 
-def test_a_run_that_is_too_large_is_refused_in_one_line_that_says_how_large_and_what_to_do(written, tmp_path, capsys):
-    err = refusal(["run", written(**WRONG), "-o", tmp_path / "out"], capsys)
-    assert not (tmp_path / "out").exists()
-    assert "duration: 1,920,000,000 steps and 192,000,001 frames (76 GB) in an estimated time of" in err
-    assert "more than the limit of 20 GB of frames" in err
-    assert "192 s is 1.57e+07 T, the unit of time T being 1.224e-05 s (192 T = 0.00235 s)" in err
-    assert "`limits: {gigabytes: 76}` in the scene" in err
-
-
-def test_where_the_step_is_still_to_be_found_frames_alone_are_enough_to_refuse(written, tmp_path, capsys):
-    err = refusal(["run", written(**{**WRONG, "timestep": None}), "-o", tmp_path / "out"], capsys)
-    assert " steps and 192,000,001 frames (76 GB): more than the limit of 20 GB of frames" in err
-
-
-def test_a_run_of_few_beads_recorded_that_takes_days_is_refused(written, tmp_path, capsys):
-    scene = written(duration="1.2e7", output="{beads: [1], every: 2}", timestep="0.1", chains="100", beads="1000")
-    assert "more than the limit of 24 h; " in refusal(["run", scene, "-o", tmp_path / "out"], capsys)
-
-
 @pytest.mark.parametrize(("gigabytes", "code"), [("1e-4", 0), ("2e-5", 2)])
 @pytest.mark.usefixtures("lammps_here")
 def test_the_scene_sets_the_limit(gigabytes, code, written, tmp_path, monkeypatch):
@@ -77,12 +57,6 @@ def test_show_and_deck_warn_and_go_on(written, tmp_path, capsys):
     assert "# warning: `granchain run` refuses 1,920,000,000 steps" in capsys.readouterr().out
     assert main(["deck", scene, "-o", str(tmp_path / "out")]) == 0
     assert "warning: 1,920,000,000 steps" in capsys.readouterr().out
-
-
-def test_what_ends_at_a_bead_is_refused_before_its_duration_is_searched_for(written, tmp_path, capsys):
-    scene = written(chains="1000", beads="100000", until_bead="99000", duration=None)
-    err = refusal(["run", scene, "-o", tmp_path / "out"], capsys)
-    assert "until_bead: at least 989,991 frames (2376 TB)" in err
 
 
 def test_frames_farther_apart_than_the_run_is_long_are_warned_of(written, capsys):

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from refusals import refusal
 
 import granchain
 from analysis.figures.studies import MOST_LINES, Sought, StudyAxis, logarithmic, map_figure, swept_figure
@@ -204,53 +203,6 @@ def test_a_quantity_is_drawn_over_one_field_and_over_two(copied, capsys):
     assert main(both) == 0
     for file in (f"{name}.png", f"{name}-and-beads.pdf", "amplitude-map-over-coupling.stiffness-and-beads.png"):
         assert (copied / file).stat().st_size > 5_000
-
-
-@pytest.mark.parametrize(
-    ("options", "says"),
-    [
-        (
-            ["--plot", "amplitud", "--over", "beads"],
-            "'amplitud' given (did you mean `amplitude`?); should be one of front, ",
-        ),
-        (["--plot", "verdict", "--over", "beads"], "--plot: 'verdict' given; should be one of front, "),
-        (["--plot", "amplitude", "--over", "bead"], "--over: 'bead' is not varied here; beads, coupling.stiffness"),
-        (["--plot", "amplitude", "--over", "beads"], "--where coupling.stiffness=VALUE"),
-        (["--plot", "amplitude", "--over", "beads", "--and", "gap"], "--and: 'gap' is not varied"),
-        (["--plot", "amplitude", "--over", "beads", "--where", "beads=3"], "--where: no case has beads = 3; 20, 24"),
-        (["--where", "bead=3"], "--where: 'bead' is not varied here; beads, coupling.stiffness"),
-        (["--plot", "amplitude", "--over", "beads", "--where", "beads"], "FIELD=VALUE"),
-        (["--plot", "amplitude"], "go together"),
-        (["--and", "beads"], "give --plot too"),
-        (["--over", "beads"], "--over needs a quantity"),
-        (["--plot", "amplitude", "--over", "beads,beads"], "--over: beads,beads: a field is given twice"),
-        (["--plot", "amplitude", "--over", "beads,gap"], "--over: 'gap' is not varied"),
-        (
-            ["--plot", "amplitude", "--over", "beads,coupling.stiffness", "--and", "beads"],
-            "--over: one field and --and for lines, or two fields, A,B, for a map",
-        ),
-        (["--plot", "speed@x", "--over", "beads"], "--plot: 'speed@x' given (did you mean `speed`?); should be"),
-        (["--statistics", "speeed"], "--statistics: 'speeed' given (did you mean `speed`?)"),
-        (["--statistics", "speed", "--over", "bead"], "--over: 'bead' is not varied here; beads, coupling.stiffness"),
-        (["--statistics", "speed", "--plot", "speed", "--over", "beads"], "--plot and --statistics: choose one"),
-        (["--statistics", "speed", "-o", "statistics.csv"], "--statistics writes another table there"),
-        (["-o", "table.parquet"], "the table is CSV"),
-        (["-o", "nowhere/table.csv"], "no such directory"),
-    ],
-)
-def test_what_cannot_be_drawn_or_written_is_one_line_and_nothing_is_written(options, says, copied, monkeypatch, capsys):
-    monkeypatch.chdir(copied.parent)
-    before = sorted(copied.parent.rglob("*"))
-    assert says in refusal(["collect", copied, *options], capsys)
-    assert sorted(copied.parent.rglob("*")) == before
-
-
-def test_a_table_of_the_users_is_not_overwritten_and_one_of_ours_is(copied, capsys):
-    mine = copied / "mine.csv"
-    mine.write_text("a,b\n1,2\n")
-    assert "not a table of granchain's" in refusal(["collect", copied, "-o", mine], capsys)
-    assert mine.read_text() == "a,b\n1,2\n"
-    assert main(["collect", str(copied)]) == main(["collect", str(copied)]) == 0
 
 
 @pytest.mark.parametrize(

@@ -161,14 +161,6 @@ def test_a_bead_that_the_pulse_misses_is_undefined_and_no_quantity_defined_is_ex
     assert set(seeds.glob("*.png")) == before
 
 
-def test_statistics_do_not_replace_a_file_of_the_users(seeds, tmp_path, capsys):
-    mine = tmp_path / "statistics.csv"
-    mine.write_text("a,b\n")
-    assert main(["collect", str(seeds), "--statistics", "speed", "-o", str(tmp_path / "table.csv")]) == 2
-    assert "not a table of granchain's" in capsys.readouterr().err
-    assert [path.name for path in tmp_path.iterdir()] == ["statistics.csv"]
-
-
 def test_masses_of_disordered_chains_have_the_mean_and_deviation_of_the_random_numbers():
     shares = np.array([np.random.default_rng(seed).random(24) for seed in range(4)])
     for spread in (0.1, 0.2):

@@ -141,29 +141,6 @@ def test_added_values_are_computed_and_cases_no_longer_named_stay(tmp_path, caps
     assert {path.name for path in (tmp_path / "s").glob("*=*")} == {"beads=10", "beads=11", "beads=12"}
 
 
-OF_THE_DONE = {"coupling__stiffness": [0.05, 0.1]}
-
-
-@pytest.mark.parametrize(
-    ("change", "engine", "vary", "says"),
-    [
-        ({"duration": 12}, "lammps", OF_THE_DONE, "duration differs"),
-        ({}, "reference", OF_THE_DONE, "computed by lammps, not reference"),
-        ({}, "lammps", {"kick__velocity": [0.5]}, "over coupling.stiffness, and this sweep varies kick.velocity"),
-        ({}, "lammps", {**OF_THE_DONE, "gap": [0.1]}, "this sweep varies coupling.stiffness, gap"),
-        ({"duration": 12}, "lammps", {"coupling__stiffness": [0.3]}, "another scene (duration differs)"),
-    ],
-)
-def test_another_sweep_in_the_same_directory_is_refused_before_anything_runs(
-    change, engine, vary, says, done, tmp_path, capsys
-):
-    _, directory = done
-    before = stamps(directory)
-    assert sweep(sweep_file(tmp_path, {**SMALL, **change}, engine=engine, **vary), directory) == 2
-    assert says in capsys.readouterr().err
-    assert stamps(directory) == before
-
-
 @pytest.mark.usefixtures("here")
 def test_a_case_whose_scene_was_changed_by_hand_is_refused(tmp_path, capsys):
     path = sweep_file(tmp_path, beads=[12])
@@ -173,14 +150,6 @@ def test_a_case_whose_scene_was_changed_by_hand_is_refused(tmp_path, capsys):
     scene.write_text(scene.read_text().replace("stiffness: 0.1", "stiffness: 0.2"))
     assert sweep(path, tmp_path / "s") == 2
     assert f"{case}: holds this case of another scene (coupling differs)" in capsys.readouterr().err
-
-
-def test_a_directory_of_somebody_elses_is_left_alone(tmp_path, capsys):
-    (tmp_path / "thesis").mkdir()
-    (tmp_path / "thesis" / "chapter.tex").write_text("mine")
-    assert sweep(sweep_file(tmp_path, beads=[12]), tmp_path / "thesis") == 2
-    assert "not the directory of a sweep" in capsys.readouterr().err
-    assert [path.name for path in (tmp_path / "thesis").iterdir()] == ["chapter.tex"]
 
 
 def test_two_sweeps_do_not_share_a_directory(done, monkeypatch, capsys):

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from sweeps import SMALL, sweep_file
 
-from lammps_inputs import InputError, strict_yaml
+from lammps_inputs import strict_yaml
 from workflow.study_kit.options import example_file
 from workflow.sweep import file
-from workflow.sweep.file import LONGEST_NAME, MAX_CASES, SpacedValues, all_cases, case_name, from_plain, load, scene_of
+from workflow.sweep.file import LONGEST_NAME, SpacedValues, all_cases, case_name, from_plain, load, scene_of
 
 
 def cases(**options):
@@ -135,12 +135,3 @@ def test_whatever_the_value_a_name_is_one_safe_word(value):
     assert 0 < len(word) <= 40
     assert all(letter.isascii() and (letter.isalnum() or letter in "._-") for letter in word)
     assert word.strip(".")
-
-
-# --- mistakes ---------------------------------------------------------------------------------------------------------
-
-
-def test_a_product_of_too_many_cases_is_refused_before_it_is_built():
-    many = {"from": 1, "to": 2, "count": MAX_CASES}
-    with pytest.raises(InputError, match=f"makes {MAX_CASES**4} cases; at most {MAX_CASES}"):
-        cases(vary=dict.fromkeys(("gap", "duration", "timestep", "coupling.stiffness"), many))

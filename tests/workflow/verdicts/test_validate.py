@@ -7,13 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import wrong_runs
-from refusals import refusal
 from stock_lammps import scene
 
 from analysis.compare.difference import Deviation
 from analysis.files.recording import Writer
 from lammps_inputs import Kick, file_names, find
-from lammps_inputs.decks import scene_files
 from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.runs.run import run
@@ -178,42 +176,6 @@ def test_an_interrupted_run_is_said_incomplete_and_does_not_pass(good, tmp_path,
     assert (report["complete"], report["frames"]) == (False, [200, 401])
     assert not any(quantity["exceeded"] for quantity in report["quantities"].values())
     assert report["reference"]["velocity"] < 1e-4
-
-
-@pytest.mark.parametrize(
-    ("case", "words"),
-    [
-        ("no dump", "holds no chains.dump.bin"),
-        ("other scene", "its 80 atoms are not the 82"),
-    ],
-)
-def test_a_directory_that_cannot_be_validated_ends_in_one_line_and_exit_code_2(case, words, good, tmp_path, capsys):
-    directory = copied(good, tmp_path / "run")
-    if case == "no dump":
-        (directory.path / file_names.DUMP).unlink()
-    else:
-        scene_files.write(SCENE.model_copy(update={"beads": 41}), directory.path)
-    assert words in refusal(["validate", directory.path], capsys)
-    assert not (directory.path / REPORT).exists()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["two-chains"], "-o: two-chains is a scene"),
-        (["two-chainz"], "did you mean `two-chains`?"),
-        (["{run}", "-o", "x"], "-o: is for a scene"),
-        (["{run}", "--tolerance", "speed=1"], "'speed' given; one of velocity"),
-        (["{run}", "--tolerance", "velocity"], "'velocity' given; a number such as velocity=1e-4"),
-        (["{run}", "--tolerance", "velocity=-1"], "'velocity=-1' given"),
-        (["{run}", "--tolerance", "velocity=nan"], "'velocity=nan' given"),
-        (["{run}", "--against", "{run}/none.csv"], "cannot be read (No such file"),
-        (["{run}", "--units", "feet"], "invalid choice: 'feet'"),
-    ],
-)
-def test_a_wrong_option_ends_in_one_line_and_exit_code_2(arguments, words, good, capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)  # where no directory is called as a scene is
-    assert words in refusal(["validate", *(argument.format(run=good.path) for argument in arguments)], capsys)
 
 
 # --- tolerances and the report ----------------------------------------------------------------------------------------

@@ -7,11 +7,11 @@ import shutil
 import numpy as np
 import pytest
 import wrong_runs
-from refusals import refusal, tree
+from refusals import refusal
 from stock_lammps import scene
 
 import granchain
-from lammps_inputs import Kick, Output, file_names, strict_yaml
+from lammps_inputs import Output, file_names, strict_yaml
 from workflow.cli import main
 from workflow.runs.files import RECORD
 from workflow.runs.run import run
@@ -202,24 +202,6 @@ def test_from_python_a_run_is_compared_with_a_run_or_its_directory(first, finer)
 
 # --- other scenes -----------------------------------------------------------------------------------------------------
 
-OTHERS = {
-    "coupling": ({"kappa": 0.06}, "coupling.stiffness is 0.06 there, and 0.05 in"),
-    "gap": ({"gap": 0.5}, "gap is 0.5 there, and not given in"),
-    "kick": ({"kick": (Kick(velocity=1.0), Kick(bead=4, velocity=0.5))}, "kick"),
-    "beads": ({"beads": 13}, "beads is 13 there, and 12 in"),
-}
-
-
-@pytest.mark.parametrize("case", OTHERS)
-def test_a_run_of_another_scene_is_refused_with_the_field_and_both_values(case, first, tmp_path, capsys):
-    changes, says = OTHERS[case]
-    other = run(a_scene(**{"duration": 1.0, **changes}), tmp_path / "other", engine="reference", check=False).directory
-    before = tree(first.path)
-    message = refusal(["validate", first.path, "--against", other.path], capsys)
-    assert message.startswith(f"{other.path}: is a run of another scene: ")
-    assert says in message
-    assert tree(first.path) == before
-
 
 def test_a_scene_is_refused_before_it_is_run_and_run_where_it_is_the_same(first, tmp_path, capsys):
     path, out = tmp_path / "scene.yaml", tmp_path / "out"
@@ -246,18 +228,6 @@ def test_runs_that_recorded_nothing_in_common_are_refused(output, says, tmp_path
         for name, recorded in (("one", Output(every=0.5, beads=(3,))), ("other", output))
     )
     assert says in refusal(["validate", first, "--against", second], capsys)
-
-
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        (["--against", "{tmp}"], "not a run directory"),
-        (["--against", "{run}", "--units", "dimensionless"], "--units: is for a file"),
-    ],
-)
-def test_what_is_no_run_and_units_of_a_run_are_one_line(words, says, first, tmp_path, capsys):
-    filled = [word.format(tmp=tmp_path, run=first.path) for word in words]
-    assert says in refusal(["validate", first.path, *filled], capsys)
 
 
 def test_a_run_that_came_back_from_a_cluster_is_compared(first, tmp_path):

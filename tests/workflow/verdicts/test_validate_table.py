@@ -202,23 +202,6 @@ def test_a_table_in_other_units_is_asked_about(runs, exact, tmp_path):
     assert any("is it in other units?" in remark for remark in found.remarks)
 
 
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        (
-            lambda t: t | {"time": t["time"] * 2.0},
-            "reach beyond the run's 0 to 25 (dimensionless); if the table is in other units",
-        ),
-        (lambda t: t | {"chain": t["chain"] + 1}, "has chain 3, but the scene has chains 1 to 2"),
-        (lambda t: t | {"bead": t["bead"] + 1}, "has bead 26, which the run did not record"),
-        (lambda t: t | {"velocity": np.where(t["bead"] == 3, np.nan, t["velocity"])}, "'velocity' holds nan in line 4"),
-    ],
-)
-def test_a_table_that_does_not_fit_ends_in_one_line_and_exit_code_2(change, words, runs, exact, tmp_path, capsys):
-    path = csv(tmp_path / "own.csv", change(columns(exact[0][::10])))
-    assert words in refusal(["validate", runs["reduced"].path, "--against", path], capsys)
-
-
 def test_a_table_beyond_an_interrupted_run_says_so(runs, exact, tmp_path, capsys):
     part = wrong_runs.rewritten(
         runs["reduced"], tmp_path / "part", lambda run: (run.displacement[:100], run.velocity[:100])
@@ -322,21 +305,6 @@ def test_a_trace_that_is_off_is_named_with_place_and_time(directory, capsys):
     assert "a tolerance is first exceeded by the force_sensor_8_chain_2 of bead 8" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("name", "shift", "says"),
-    [
-        ("force_wall_left", 0.0, "the scene has no left wall"),
-        ("force_contact_12", 0.0, "beads 1 to 11 of the scene have such"),
-        ("force_contact_5_chain_3", 0.0, "the scene has chains 1 to 2"),
-        ("force_contact_5 (N)", 0.0, "names units"),
-        ("force_contact_5", 3.0, "reach beyond the run's"),
-    ],
-)
-def test_what_cannot_be_compared_is_one_line(name, shift, says, directory, capsys):
-    path = written(directory, {name: "contact_5_chain_1"}, shift=shift)
-    assert says in refusal(["validate", directory, "--against", path], capsys)
-
-
 SCOPE = ("--columns", "time=TIME,sensor_8_chain_2=#3", "--gain", "CH2=-40", "--baseline", "sensor_8_chain_2=0.3")
 
 
@@ -361,28 +329,6 @@ def test_a_scopes_file_of_a_run_is_the_run_and_is_not_with_another_gain(director
     )
     assert granchain.validate(directory, against=described, offset=2.0).passed
     capsys.readouterr()
-
-
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        (["--gain", "CH2=free"], "--gain: 'free' is no number; such as CH1=20.5"),
-        (["--gain", "CH2"], "--gain: 'CH2' given; such as CH1=20.5"),
-        (["--gain", "CH2=1,CH2=2"], "--gain: CH2 is given twice"),
-        (["--columns", "time=TIME,contact_5=CH9"], "has no column 'CH9'; line 3 names TIME, CH1, CH2"),
-        (["--offset=nan"], "--offset: nan given; a time in the units of FILE, such as 0"),
-    ],
-)
-def test_options_of_traces_that_are_wrong_are_one_line(words, says, directory, capsys):
-    told = refusal(["validate", directory, "--against", scope(directory), *SCOPE, *words], capsys)
-    assert says in told
-
-
-@pytest.mark.parametrize("words", [["--offset", "2"], ["--skip", "3"], ["--gain", "CH1=2"]])
-def test_options_of_traces_are_refused_without_traces(words, directory, capsys):
-    for against in ([], ["--against", directory]):
-        told = refusal(["validate", directory, *against, *words], capsys)
-        assert f"{words[0]}: is for a file of traces" in told
 
 
 def test_a_comparison_with_a_file_leaves_the_report_of_the_reference_as_it_is(runs, exact, tmp_path):
