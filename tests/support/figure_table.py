@@ -75,7 +75,7 @@ def _look(line: Line2D) -> str:
     return " ".join([*words, *["outlined"] * bool(line.get_path_effects())])
 
 
-def _grid(values: np.ndarray, x: np.ndarray, y: np.ndarray) -> str:
+def grid(values: np.ndarray, x: np.ndarray, y: np.ndarray) -> str:
     """The shape of an image whose pixels have these edges, and where it is lowest and highest."""
     filled = np.ma.filled(np.ma.asarray(values, dtype=float), np.nan)
     size = float(np.nanmax(np.abs(filled), initial=0.0))
@@ -94,12 +94,12 @@ def _drawn(axis: Axes) -> Iterator[str]:
         left, right, bottom, top = image.get_extent()
         low, high = image.get_clim()
         edges = np.linspace(left, right, values.shape[1] + 1), np.linspace(bottom, top, values.shape[0] + 1)
-        yield f"image: {_grid(values, *edges)}; colours {image.get_cmap().name} {number(low)} to {number(high)}"
+        yield f"image: {grid(values, *edges)}; colours {image.get_cmap().name} {number(low)} to {number(high)}"
     for part in axis.collections:
         name = "" if part.get_label().startswith("_") else f' "{part.get_label()}"'
         if isinstance(part, QuadMesh):
             corners = part.get_coordinates()
-            yield f"mesh: {_grid(part.get_array(), corners[0, :, 0], corners[:, 0, 1])}"
+            yield f"mesh: {grid(part.get_array(), corners[0, :, 0], corners[:, 0, 1])}"
         elif isinstance(part, PathCollection):
             yield f"marks{name}: {points(*np.asarray(part.get_offsets()).T)}"
         elif isinstance(part, PolyCollection) and part.get_paths():
@@ -162,7 +162,7 @@ def _texts(figure: Figure) -> list[tuple[str, Any]]:
 
 
 def unreadable(figure: Figure) -> list[str]:
-    """Texts that end outside a figure or cover each other, panels that have vanished, and legends that lie on panels."""
+    """Texts that end outside a figure or cover each other, panels that have vanished, and legends on panels."""
     FigureCanvasAgg(figure)
     figure.draw_without_rendering()
     texts, ends = _texts(figure), figure.bbox

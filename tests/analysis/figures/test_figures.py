@@ -311,6 +311,11 @@ def swept_in_si():
     return swept_figure(study([120, 90, 40], "bead"), study([1e3, 2e3, 4e3], "k", unit="N/m"), sought=sought)
 
 
+def crossing_that_is_not_rounded_down():
+    sought = Sought(20.0, np.array([0.215314]), np.array([0.00015]))
+    return swept_figure(study([10, 20, 40], "bead"), study([0.1, 0.2, 0.4], "stiffness"), sought=sought)
+
+
 def swept_with_uncertainties():
     """Cases come in the order of any field; that at 1 has not settled."""
     x, unsettled = np.array([3.0, 1.0, 2.0]), np.array([False, True, False])
@@ -339,6 +344,7 @@ def histogram_of_four():
 
 STUDIES = {
     "swept-si": swept_in_si,
+    "swept-crossing": crossing_that_is_not_rounded_down,
     "swept-uncertainties": swept_with_uncertainties,
     "swept-bands": swept_between_bands,
     "swept-decades": lambda: swept_figure(study([1, 50, 2]), FACTORS),
