@@ -2,6 +2,7 @@
 
 import csv
 import math
+import struct
 from pathlib import Path
 
 import pytest
@@ -145,7 +146,7 @@ def test_a_link_opens_at_its_time_bead_and_chain_and_what_is_invalid_is_ignored(
         opened.close()
 
 
-def test_the_numbers_behind_plots_are_saved_as_csv_with_units(page, ran):
+def test_the_numbers_behind_plots_are_saved_as_csv_with_units_and_pictures_in_print_resolution(page, ran):
     frames = ran.trajectory
     choose(page, "of chain", "all")
     choose(page, "quantity on the maps", "displacement")
@@ -170,6 +171,9 @@ def test_the_numbers_behind_plots_are_saved_as_csv_with_units(page, ran):
     assert name == "seen-velocity.csv"
     velocities = [float(row["velocity v (reduced)"]) for row in rows]
     assert velocities == pytest.approx(frames.velocity[:, 0, 3].tolist(), abs=1e-7)
+    name, path = saved(page, 2, "Save")
+    assert name == "seen-velocity.png"
+    assert struct.unpack(">I", path.read_bytes()[16:20])[0] >= 2100
 
 
 @pytest.mark.parametrize("width", [1280, 600])
