@@ -17,11 +17,23 @@ from analysis.compare.difference import Deviation, ErrorMap
 from analysis.conservation import Account
 from analysis.figures.drawing import draw
 from analysis.figures.errors import residual_figure, validation_figure
-from analysis.figures.panels import BEAD, Axis, Curve, Image, Panel, Sheet, axis_unit, curves_of, shown_chains, title
+from analysis.figures.panels import (
+    BEAD,
+    Axis,
+    AxisUnit,
+    Curve,
+    Image,
+    Panel,
+    Sheet,
+    axis_unit,
+    curves_of,
+    shown_chains,
+    title,
+)
 from analysis.figures.spacetime import HistoryMeter, RootScale, space_time_meter, spacetime_sheet
 from analysis.figures.studies import Sought, StudyAxis, histogram_figure, logarithmic, map_figure, swept_figure
 from analysis.figures.style import picture
-from analysis.figures.waves import distance_sheet, passage, pulses, response_sheet, shape_sheet
+from analysis.figures.waves import distance_sheet, passage, pulses, response_sheet, shape_sheet, time_title
 from analysis.files.traces import Channel, Traces
 from analysis.gauges.gauge import gauges
 from analysis.shape.waveforms import Passages
@@ -485,7 +497,9 @@ def test_titles_tell_chains_coupling_gap_load_and_v(golden):
         {"chains": 3, "coupling": {"cubic": 0.1}},
         {"chains": 3, "coupling": {"force": "k*s/sqrt(1+(s/s0)^2)", "k": 0.1, "s0": 0.5}},
     ]
-    golden("titles", "\n".join(title(of_keys(**{"beads": 20, "kick": kick, "duration": 5.0, **one})) for one in scenes))
+    titles = [title(of_keys(**{"beads": 20, "kick": kick, "duration": 5.0, **one})) for one in scenes]
+    of_panels = [time_title("arrival", time, AxisUnit(1.0, "reduced")) for time in (21.0, 124.0, 1397.2)]  # four digits
+    golden("titles", "\n".join([*titles, *of_panels]))
 
 
 def test_lattices_have_a_panel_for_each_chain_and_lines_for_those_far_from_each_other():

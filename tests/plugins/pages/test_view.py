@@ -4,6 +4,7 @@ import sys
 
 import numpy as np
 import pytest
+from global_state import assert_state_remains
 from refusals import refusal
 
 import granchain
@@ -130,6 +131,11 @@ def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran,
     assert places == pytest.approx(moved.ravel().tolist(), abs=1e-6)
     assert model(page, "balls", "Array.from(it.data.d)") == pytest.approx(frames.displacement[3].ravel(), abs=1e-7)
     assert model(page, "balls", "it.data.bead[21] + ' ' + it.data.chain[21]") == "2 2"
+
+
+def test_the_state_of_the_process_is_as_before(ran, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")  # bars of progress have threads
+    assert_state_remains(lambda: granchain.view(ran.directory.path), ran.directory.path)
 
 
 @pytest.mark.slow
