@@ -22,7 +22,7 @@ import numpy as np
 from analysis.compare.common_times import of_common_atoms, paired, paired_parts
 from analysis.conservation import ConservationMeter
 from analysis.meters import Part
-from analysis.tracking.leading_waves import leading_meter, leading_passages
+from analysis.tracking.leading_passages import leading_meter, leading_passages
 from analysis.tracking.peak_bounds import Brackets
 from analysis.tracking.peaks import THRESHOLD, Peaks, sharp
 from analysis.trajectory import Floats, Integers, Trajectory

@@ -23,15 +23,13 @@ from analysis.sharing.equipartition import Sharing, runs_exact_waves, sharing
 from analysis.sharing.impulses import Impulses, meter_of
 from analysis.sharing.is_solitary import Character, Tolerances, characterise, measured_at
 from analysis.sharing.verdict import DecayFit, Verdict, fit_decay, verdict_on
+from analysis.tracking.leading_passages import beyond_kicks, of_pulses, opposed
 from analysis.tracking.leading_waves import (
     Arrival,
     Lags,
     Waves,
-    beyond_kicks,
     lags,
     leading_waves,
-    of_pulses,
-    opposed,
     speeds_of_pulses,
     usual_arrival,
 )

@@ -1,17 +1,16 @@
 """The leading pulse at every bead: the first passage above the threshold, its peak, and its local speed.
 
-With kicks both ways not every first maximum of a bead is the leading pulse's (`leading_passages`). `succession` finds
-where one leading pulse ends and another one leads.
+`succession` finds where one leading pulse ends and another one leads.
 
-Plug-ins take this module for the leading pulses: `Waves` is the table that a survey has, `leading_meter` and
-`leading_passages` give its maxima alone, `usual_arrival` the definition of an arrival.
+Plug-ins take this module for the leading pulses: `Waves` is the table that a survey has, `usual_arrival` the definition
+of an arrival.
 
 Examples:
     >>> problem = granchain.load("one-chain", {"beads": 20, "duration": 30.0}).problem()
     >>> frames = engine.run(problem)
-    >>> peaks = leading_waves.leading_meter(problem).read(frames.blocks())
-    >>> leading_waves.leading_passages(peaks, problem).time[:3].round(3)  # at beads 1 to 3, in units of T
-    array([0.   , 1.883, 3.121])
+    >>> peaks = leading_passages.leading_meter(problem).read(frames.blocks())
+    >>> leading_waves.leading_waves(peaks, problem).speed[:2].round(3)  # at beads 1 and 2, in beads / T
+    array([0.531, 0.641])
     >>> leading_waves.usual_arrival(problem)
     'maximum'
 """
@@ -23,8 +22,9 @@ import numpy as np
 
 from analysis.columns import Columns
 from analysis.quantity import declare, declared, in_units, result
-from analysis.tracking.peaks import PeakMeter, Peaks
-from analysis.tracking.pulses import Pulse, local_speed, local_speed_error, track_pulses
+from analysis.tracking.leading_passages import beyond_kicks
+from analysis.tracking.peaks import Peaks
+from analysis.tracking.pulses import Pulse, local_speed, local_speed_error
 from analysis.tracking.succession import Change, changes, numbers
 from analysis.trajectory import Flags, Floats, Integers
 from lammps_inputs import Problem, physics
@@ -283,52 +283,3 @@ def lags(waves: Waves, chain: int) -> Lags:
     error = np.where(waves.chain == chain, 0.0, waves.arrival_error + of_reference[1])
     value = waves.arrival - of_reference[0]
     return Lags(value, np.where(np.isnan(value), np.nan, error))
-
-
-def opposed(problem: Problem) -> bool:
-    """Whether there are kicks both ways, so that a bead's first maximum may be residual motion of the other pulse."""
-    return any(velocity * problem.direction < 0.0 for _, _, velocity in physics.excitations(problem.system))
-
-
-def leading_meter(problem: Problem) -> PeakMeter:
-    """Meter of the maxima that `leading_passages` chooses from."""
-    return PeakMeter(first_only=not opposed(problem))
-
-
-def leading_passages(peaks: Peaks, problem: Problem) -> Peaks:
-    """Maxima of a run that may be the leading pulse's: all, or a few with kicks in both directions.
-
-    Args:
-        peaks: maxima that `leading_meter` found.
-        problem: what was run.
-
-    Returns:
-        The maxima at beads from the first kicked one on, in the pulse's direction.
-    """
-    passages = of_pulses(peaks, track_pulses(peaks, problem)) if opposed(problem) else peaks
-    return beyond_kicks(passages, problem)
-
-
-def beyond_kicks(peaks: Peaks, problem: Problem) -> Peaks:
-    """The maxima at beads that the leading pulse comes to, from the first kicked bead on.
-
-    Behind it others pass: those that walls reflect, and what runs back from the kick under a static load.
-    """
-    direction = peaks.direction
-    first = min(
-        (direction * bead for _, bead, velocity in physics.excitations(problem.system) if velocity * direction > 0.0),
-        default=-problem.beads,
-    )
-    return peaks.where(direction * peaks.bead >= first)
-
-
-def of_pulses(peaks: Peaks, pulses: tuple[Pulse, ...]) -> Peaks:
-    """The maxima that belong to pulses running their way; pulses from the far end leave others."""
-    passages = {
-        (pulse.chain, number, time)
-        for pulse in pulses
-        if pulse.direction == peaks.direction
-        for number, time in zip(pulse.bead.tolist(), pulse.arrival.tolist(), strict=True)
-    }
-    rows = zip(peaks.chain.tolist(), peaks.bead.tolist(), peaks.time.tolist(), strict=True)
-    return peaks.where(np.fromiter((row in passages for row in rows), dtype=bool, count=len(peaks)))

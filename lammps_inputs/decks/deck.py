@@ -86,8 +86,7 @@ def render_deck(problem: Problem, start: Sequence[str] = (), opening: float = 0.
             "boundary s f f                   # x: the box follows rebounding beads; y, z: no periodic images",
             *neighbour_lines(problem, opening or _opening(problem)),
             *number_fix(problem),
-            f"read_data {file_names.DATA}"
-            + " fix numbers NULL Numbers" * bool(number_fix(problem)),
+            f"read_data {file_names.DATA}" + " fix numbers NULL Numbers" * bool(number_fix(problem)),
             *group_lines(problem),
             *_mass_lines(problem),
         ],

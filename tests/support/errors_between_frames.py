@@ -34,7 +34,8 @@ import random_scenes
 from analysis.shape import waveforms
 from analysis.sharing.run_error import MeasuredError, with_run_error
 from analysis.sharing.survey import Survey
-from analysis.tracking.leading_waves import Waves, leading_meter, leading_waves, usual_arrival
+from analysis.tracking.leading_passages import leading_meter
+from analysis.tracking.leading_waves import Waves, leading_waves, usual_arrival
 from analysis.trajectory import Flags, Floats, Integers, Trajectory
 from lammps_inputs import InputError, Problem, Scene, library
 from lammps_inputs.installed_scenes import installed

@@ -13,15 +13,8 @@ import numpy as np
 
 from analysis import hermite, motion
 from analysis.conservation import energy_input
-from analysis.gauges.gauge import (
-    ContactCurve,
-    ContactFrames,
-    Gauge,
-    at_frames,
-    crossing,
-    far_wall,
-    maximum,
-)
+from analysis.gauges.contact_curve import ContactCurve, ContactFrames, crossing, maximum
+from analysis.gauges.gauge import Gauge, at_frames, far_wall
 from analysis.meters import Meter, Part
 from analysis.quantity import declare, result
 from analysis.sharing.run_error import MeasuredError

@@ -5,7 +5,6 @@ They are found by trials with the reference integrator before anything else runs
 
 from dataclasses import replace
 
-from analysis.tracking.leading_waves import Waves
 from lammps_inputs import Problem, Scene, window
 from workflow import screen
 from workflow.engines.reference import engine
@@ -40,12 +39,12 @@ def with_window(scene: Scene) -> Scene:
     problem = scene.model_copy(update={"window": rows, "accuracy": None}).problem()
     try:
         with limited(SECONDS):
-            waves = _leading(problem, rows)
+            leading = _leading(problem, rows)
             while 2 * rows < min(problem.beads, WIDEST + 1):
                 wider = _leading(problem, 2 * rows)
-                if _difference(waves, wider) <= SAME:
+                if _difference(leading, wider) <= SAME:
                     break
-                rows, waves = 2 * rows, wider
+                rows, leading = 2 * rows, wider
     except LimitReachedError:
         rows = min(WIDEST, 4 * rows)
         screen.hint(
@@ -55,12 +54,12 @@ def with_window(scene: Scene) -> Scene:
     return scene.model_copy(update={"window": rows})
 
 
-def _leading(problem: Problem, rows: int) -> Waves:
+def _leading(problem: Problem, rows: int) -> engine.LeadingPeaks:
     complete = replace(problem, rows=problem.rows.near_front(None))
     return engine.passages(complete, rows=window.behind(rows))
 
 
-def _difference(first: Waves, second: Waves) -> float:
+def _difference(first: engine.LeadingPeaks, second: engine.LeadingPeaks) -> float:
     """Largest difference of the peaks, in units of V; a bead that only one wave has reached differs by its peak."""
     a, b = (
         {(c, n): v for c, n, v in zip(w.chain.tolist(), w.bead.tolist(), w.peak_velocity.tolist(), strict=True)}

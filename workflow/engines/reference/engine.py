@@ -12,14 +12,13 @@ Examples:
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.tracking.leading_waves import Waves, with_speeds
 from analysis.tracking.peaks import THRESHOLD
-from analysis.trajectory import EXCHANGES, Floats, Trajectory, frames_per_block, joined
+from analysis.trajectory import EXCHANGES, Floats, Integers, Trajectory, frames_per_block, joined
 from lammps_inputs import Problem, System, physics
 from lammps_inputs.chains import coupled_chains
 from lammps_inputs.laws import dashpot
@@ -313,6 +312,19 @@ def velocity_of_state(system: System, x: Floats, v: Floats) -> Floats:
     return np.asarray(v - given_by_dashpots(system, x))
 
 
+class LeadingPeaks(NamedTuple):
+    """The leading pulse at beads, [passage] each, by chain, then bead."""
+
+    chain: Integers
+    """Number of the chain, from 1."""
+    bead: Integers
+    """Number of the bead, from 1."""
+    arrival: Floats
+    """Time of the largest velocity, in units of T."""
+    peak_velocity: Floats
+    """Largest velocity, in units of V."""
+
+
 def usual_timestep(problem: Problem) -> float:
     """0.1, or less where the springs are stiff, in units of T: peaks are then right to below 1e-5 of V."""
     system = problem.system
@@ -327,7 +339,7 @@ def passages(
     timestep: float | None = None,
     until_bead: int | None = None,
     threshold: float = THRESHOLD,
-) -> Waves:
+) -> LeadingPeaks:
     """The leading pulse at each bead, of a run until a bead is passed in every chain, or to the problem's end.
 
     That is the first maximum of its velocity, from the cubic polynomial through velocity and acceleration at the two
@@ -359,4 +371,4 @@ def passages(
         check()
     arrival, peak = (values[1:-1, : problem.chains].T for values in (arrival, peak))
     chain, row = np.nonzero(~np.isnan(arrival))
-    return with_speeds(chain + 1, row + 1, arrival[chain, row], peak[chain, row])
+    return LeadingPeaks(chain + 1, row + 1, arrival[chain, row], peak[chain, row])

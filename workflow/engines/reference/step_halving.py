@@ -12,7 +12,7 @@ from analysis.compare.common_times import on_common_rows, paired_parts, velocity
 from analysis.compare.difference import Uncertainty, matched
 from analysis.conservation import ConservationMeter
 from analysis.meters import Part
-from analysis.tracking.leading_waves import leading_meter, leading_passages
+from analysis.tracking.leading_passages import leading_meter, leading_passages
 from analysis.tracking.peaks import sharp
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
@@ -132,12 +132,12 @@ def compared_rows(problem: Problem) -> int | None:
     if not problem.rows.follow:
         return None
     before_last = problem.beads - 1
-    waves = engine.passages(
+    leading = engine.passages(
         replace(problem, rows=problem.rows.near_front(None)),
         rows=engine.WIDER * problem.rows.existing,
         until_bead=before_last,
     )
-    arrival = float(np.min(waves.at(before_last).arrival, initial=problem.duration))
+    arrival = float(np.min(leading.arrival[leading.bead == before_last], initial=problem.duration))
     # the pulses that the window lacks would have to come from behind its tail
     return (
         problem.beads

@@ -22,16 +22,8 @@ import numpy as np
 
 from analysis import hermite
 from analysis.columns import Columns, together
-from analysis.gauges.gauge import (
-    PULSE,
-    ContactCurve,
-    ContactFrames,
-    Gauge,
-    at_frames,
-    borders,
-    excursion,
-    maximum,
-)
+from analysis.gauges.contact_curve import ContactCurve, ContactFrames, borders, excursion, maximum
+from analysis.gauges.gauge import PULSE, Gauge, at_frames
 from analysis.meters import Meter, Part
 from analysis.trajectory import Flags, Floats, Integers, Trajectory
 from lammps_inputs import Problem

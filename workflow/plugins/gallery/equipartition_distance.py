@@ -88,7 +88,7 @@ def _waves(problem: Problem, window: int) -> leading_waves.Waves:
     """Leading waves without those of the last rows, which the free end disturbs."""
     window = min(window, problem.beads + 30)
     until = problem.beads - 5
-    waves = engine.passages(problem, rows=window, until_bead=until, threshold=THRESHOLD)
+    waves = leading_waves.with_speeds(*engine.passages(problem, rows=window, until_bead=until, threshold=THRESHOLD))
     return waves.where(waves.bead <= until - 5)
 
 

@@ -22,7 +22,7 @@ from granchain.parts import (
     deck,
     difference,
     file_names,
-    leading_waves,
+    leading_passages,
     mpi,
     parts_of,
     peaks,
@@ -290,7 +290,7 @@ def intervals(problem: Problem) -> list[Interval]:
 
 def _passages(fine: Problem, seldom: list[Problem]) -> Iterator[peaks.Peaks]:
     """Leading pulse at each bead, for several times between frames, in one run."""
-    meters = [leading_waves.leading_meter(problem) for problem in seldom]
+    meters = [leading_passages.leading_meter(problem) for problem in seldom]
     pieces: list[list[Any]] = [[] for _ in seldom]
     runs = zip(seldom, tee(reference.blocks(fine), len(seldom)), strict=True)
     parts = {number: parts_of(_frames_of(*run)) for number, run in enumerate(runs)}
@@ -304,7 +304,7 @@ def _passages(fine: Problem, seldom: list[Problem]) -> Iterator[peaks.Peaks]:
             pieces[number].append(meters[number].of_part(part))
             read_to[number] = float(part.frames.time[-1])
     return (
-        leading_waves.leading_passages(meter.result(of_parts), problem).first()
+        leading_passages.leading_passages(meter.result(of_parts), problem).first()
         for meter, of_parts, problem in zip(meters, pieces, seldom, strict=True)
     )
 

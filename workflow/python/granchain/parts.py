@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from analysis.sharing import energies as energies
     from analysis.sharing import impulses as impulses
     from analysis.sharing.survey import Survey as Survey
+    from analysis.tracking import leading_passages as leading_passages
     from analysis.tracking import leading_waves as leading_waves
     from analysis.tracking import peaks as peaks
     from analysis.trajectory import Flags as Flags
