@@ -10,6 +10,7 @@
 import difflib
 import math
 import re
+import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -19,7 +20,7 @@ RELATIVE = 2e-5
 MASKED: Mapping[str, str] = {
     r"\d{4}-\d\d-\d\d[ T]\d\d:\d\d(:\d\d)?([+-]\d\d:?\d\d)?": "DATE",
     r"\b(in|took|after) \d+(\.\d+)?( ms| s| min)\b": r"\1 SECONDS",
-    r"/tmp/[^\s'\"<>:,]*": "DIRECTORY",
+    rf"{re.escape(tempfile.gettempdir())}/[^\s'\"<>:,]*": "DIRECTORY",
 }
 
 _NUMBER = re.compile(r"([-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?)")
