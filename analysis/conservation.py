@@ -197,7 +197,7 @@ def _stored(system: System, x: Floats, v: Floats) -> list[Floats]:
     """Energies of the kinds in `_places_of`, each [frame], at displacements and velocities [frame, line, bead]."""
     at_beads, none = x[:, : system.chains], np.zeros(len(x))
     kinetic = motion.kinetic_energy(system, v[:, : system.chains]).sum(axis=(-2, -1))
-    kinds = (system.along, system.couplings, system.ground, system.walls)
+    kinds = (system.contacts, system.couplings, system.ground, system.walls)
     stored = [sum((link.energy(at_beads).sum(axis=(-2, -1)) for link in links), none) for links in kinds]
     return [kinetic, *stored, *_of_others(system, x, v)]
 

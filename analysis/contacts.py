@@ -24,7 +24,7 @@ def shown_by_frames(problem: Problem) -> bool:
     system = problem.system
     quicker = 1.0
     if not physics.one_kind(system):
-        strength = max(float(np.max(laws.strength(link.law))) for link in system.along)
+        strength = max(float(np.max(laws.strength(link.law))) for link in system.contacts)
         quicker = min(1.0, math.sqrt(float(np.min(system.mass)) / strength))
     return problem.forces_known and problem.every <= FARTHEST * quicker * (1.0 + 1e-9)
 
@@ -63,7 +63,8 @@ class OverlapMeter(Meter[OverlapMaxima, OverlapMaxima]):
             largest[:] = np.max(link.overlap(block.displacement), axis=0)[:, 0]
         moving = slice(0, problem.beads) if physics.loaded(system) else block.moving  # beads at rest touch, or overlap
         x = block.displacement[..., moving]
-        each = None if physics.one_kind(system) else np.full((problem.chains, problem.beads - 1), -math.inf)
+        contacts = problem.beads - (not system.closing)
+        each = None if physics.one_kind(system) else np.full((problem.chains, contacts), -math.inf)
         if x.shape[-1] < 2:
             return OverlapMaxima(-math.inf, each, at_walls)
         overlaps = motion.overlaps(system, x, moving.start + 1)

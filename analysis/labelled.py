@@ -93,11 +93,12 @@ def _of_contacts(block: Trajectory) -> dict[str, LabelledArray]:
     system = block.system
     overlap = motion.overlaps(system, block.displacement)
     force = motion.contact_force(system, overlap)
-    for link in system.dampers:
-        if link.kind == "along":
-            force = force + link.damping(block.displacement, block.velocity)
+    dashpots = [link for link in system.dampers if link.kind in ("along", "closing")]
+    if dashpots:
+        drag = [link.damping(block.displacement, block.velocity) for link in dashpots]
+        force = force + np.concatenate(drag, axis=-1)
     at_contacts = ("time", "chain", "contact")
-    contacts = np.arange(1, block.problem.beads)
+    contacts = np.arange(1, 1 + overlap.shape[-1])
     return {
         "contact": LabelledArray(("contact",), contacts, "number n of the contact between beads n and n + 1"),
         "overlap": LabelledArray(

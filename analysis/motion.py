@@ -25,7 +25,7 @@ from lammps_inputs import System, laws, physics
 
 
 def overlaps(system: System, displacement: Floats, first: int = 1) -> Floats:
-    """Overlap of each bead with the next of its chain; negative where they are apart.
+    """Overlap of each bead with the next of its chain, in a ring also of the last with the first; negative if apart.
 
     Args:
         system: masses and links.
@@ -33,9 +33,11 @@ def overlaps(system: System, displacement: Floats, first: int = 1) -> Floats:
         first: number of the first of these beads.
 
     Returns:
-        [..., chain, bead - 1] in units of L, the overlap at rest included.
+        [..., chain, contact] in units of L, the overlap at rest included: one fewer than beads, of a ring as many.
     """
-    return system.along[0].overlap(displacement, first)
+    closing = system.among(system.closing, first, displacement.shape[-1])
+    each = [link.overlap(displacement, first) for link in (system.along[0], *closing)]
+    return each[0] if len(each) == 1 else np.concatenate(each, axis=-1)
 
 
 def rest_overlap(system: System, chain: Integers, contact: Integers) -> Any:
@@ -94,7 +96,7 @@ def bead_energy(system: System, displacement: Floats, velocity: Floats, first: i
         [..., chain, bead] in units of m V**2.
     """
     total = kinetic_energy(system, velocity, first)
-    links = (*system.along, *system.ground, *system.walls)
+    links = (*system.contacts, *system.ground, *system.walls)
     for link in system.among(links, first, displacement.shape[-1]):
         link.shared(total, link.energy(displacement, first))
     return total
@@ -124,11 +126,16 @@ def contact_force(system: System, overlap: Floats, *contact: Integers | slice) -
     Args:
         system: its contacts.
         overlap: [...] in units of L.
-        contact: positions of the chains, [...], and of the contacts in them, [...], from 0.
+        contact: positions of the chains, [...], and of the contacts in them, [...], from 0; that which closes a ring is
+            among them where none are given, of overlaps [..., chain, contact] of all.
 
     Returns:
         [...] in units of m V / T.
     """
+    if system.closing and not contact:
+        parts = (system.along, overlap[..., :-1]), (system.closing, overlap[..., -1:])
+        each = [sum(laws.whole_force(link.law, part) for link in links) for links, part in parts]
+        return np.concatenate(each, axis=-1)
     return np.asarray(sum(laws.whole_force(laws.at(link.law, *contact), overlap) for link in system.along))
 
 
@@ -261,7 +268,13 @@ def larger_overlap(block: Trajectory, frame: Integers, chain: Integers, bead: In
     """
     result = np.full(frame.shape, np.nan)
     if block.problem.rows.neighbours:
-        x = block.displacement
+        x, system = block.displacement, block.problem.system
+        for link in system.closing:
+            for near in link.of_beads(chain, bead, x.shape[1:]):
+                overlap = (
+                    near.apart(x[frame, chain, bead], x, frame) + link.law.rest - link.gap_at(near.line, near.place)
+                )
+                result = np.fmax(result, np.where(near.exists, overlap, -np.inf))
         for side in (-1, 1):
             other = np.clip(bead + side, 0, x.shape[2] - 1)
             overlap = side * (x[frame, chain, bead] - x[frame, chain, other])

@@ -356,6 +356,8 @@ class Trajectory:
         Returns:
             Range of positions along the last axis.
         """
+        if self.problem.system.closing:  # the first bead is beside the last
+            return slice(0, self.velocity.shape[2])
         moved = np.any(self.velocity[frames], axis=(0, 1)) | np.any(self.displacement[frames], axis=(0, 1))
         places = np.flatnonzero(moved)
         if len(places) == 0:

@@ -75,6 +75,7 @@ class BeadLayout:
         lightest, heaviest: smallest and largest mass of a bead.
         contact_loss: dashpot law of the contacts (`lammps_inputs.laws.dashpot`); None if they are undamped.
         walls: walls of the chains.
+        closed: whether the chains are rings.
         velocity_at_full_steps: whether LAMMPS's step is of order 2 by masses that are larger
             (`lammps_inputs.laws.dashpot.Dashpot`).
     """
@@ -93,6 +94,7 @@ class BeadLayout:
     heaviest: float
     contact_loss: Any
     walls: tuple[WallLinks, ...]
+    closed: bool
     velocity_at_full_steps: bool
 
     def atom(self, chain: int, bead: int) -> int:
@@ -182,14 +184,17 @@ class DeckLines:
     numbers: dict[str, NDArray[np.float64]] | None = None
 
 
-def types_by_contact(strength: NDArray[np.float64]) -> AtomTypes:
+def types_by_contact(strength: NDArray[np.float64], *, closed: bool = False) -> AtomTypes:
     """Few types, of which any two neighbours' determine the strength of their contact: some sqrt(2 n) for n strengths.
 
     Only neighbours ever meet, so any strength may be that of any pair of types, once.
 
     Args:
         strength: dimensionless strengths, [chain, contact].
+        closed: whether the last contact is that of the last bead with the first.
     """
+    if closed:
+        return _types_of_rings(strength)
     strengths: dict[tuple[int, int], float] = {}
     place: dict[tuple[int, float], int] = {}
     free: list[set[int]] = [{1}]  # of each type, those with which it has no strength yet
@@ -214,6 +219,21 @@ def types_by_contact(strength: NDArray[np.float64]) -> AtomTypes:
             types.append(following)
         rows[row.tobytes()] = np.array(types, dtype=np.int64)
     return AtomTypes(np.array([rows[row.tobytes()] for row in strength]), strengths, len(free))
+
+
+def _types_of_rings(strength: NDArray[np.float64]) -> AtomTypes:
+    """Types of rings: those of the chains without their last two beads, which have types of their own."""
+    chains = types_by_contact(strength[:, :-3])
+    strengths, count = dict(chains.strength), chains.count
+    last: dict[bytes, tuple[int, int]] = {}
+    for row, types in zip(strength, chains.of.tolist(), strict=True):
+        if row.tobytes() not in last:
+            before, behind = last[row.tobytes()] = count + 1, count + 2
+            ends = (types[-1], before), (before, behind), (types[0], behind)
+            strengths |= dict(zip(ends, row[-3:].tolist(), strict=True))
+            count += 2
+    of_last = np.array([last[row.tobytes()] for row in strength])
+    return AtomTypes(np.concatenate([chains.of, of_last], axis=1), strengths, count)
 
 
 def atoms_by_value(name: str, law: Iterable[Any], shape: tuple[int, int]) -> list[tuple[tuple[float, ...], str]]:

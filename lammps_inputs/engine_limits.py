@@ -52,6 +52,8 @@ YIELDING_BEADS = EngineLimit("LAMMPS has contacts that yield for at most {bound}
 """A step takes 0.7 to 2 us a bead, a hundred times as long as one of the reference integrator."""
 
 YIELDING_WALLS = EngineLimit("LAMMPS has walls that yield at one place for all chains only")
+YIELDING_RINGS = EngineLimit("LAMMPS has contacts that yield in chains with ends only")
+RINGS = EngineLimit("LAMMPS has one length for all rings, and the gaps of chains add up to other lengths")
 STRENGTHS = EngineLimit(
     "LAMMPS has strengths that differ from contact to contact for the exponents 1 and 1.5, not {number}"
 )

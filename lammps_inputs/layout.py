@@ -5,7 +5,7 @@ The dynamics do not depend on any of it.
 
 import numpy as np
 
-from lammps_inputs import laws, physics
+from lammps_inputs import engine_limits, laws, physics
 from lammps_inputs.deck_lines import BeadLayout, LinksAcross, WallLinks
 from lammps_inputs.links import Links
 from lammps_inputs.numbers import power_of_two_at_least
@@ -30,8 +30,29 @@ def layout_of(system: System) -> BeadLayout:
         heaviest=float(np.max(system.mass)),
         contact_loss=physics.contact_loss(system),
         walls=tuple(wall_of(wall, system) for wall in system.walls),
+        closed=bool(system.closing),
         velocity_at_full_steps=physics.velocity_at_full_steps(system),
     )
+
+
+def ends_of_box(system: System) -> tuple[float, float]:
+    """Ends of LAMMPS's periodic box, whose length is that of rings, in units of L.
+
+    Raises:
+        EngineLimitError: chains of other lengths.
+    """
+    [closing], layout = system.closing, layout_of(system)
+    apart = layout.diameter + np.broadcast_to(closing.gap, (system.chains, 1))[:, 0]
+    first, last = layout.places[:, 0], layout.places[:, -1]
+    length = last - first + apart
+    if np.ptp(length) > _EQUAL * np.max(length):
+        raise engine_limits.RINGS.error("gap")
+    low = float(first[0] - 0.5 * apart[0])
+    return low, low + float(length[0])
+
+
+_EQUAL = 1e-13
+"""Relative difference of lengths that is rounding."""
 
 
 def wall_of(wall: Links, system: System) -> WallLinks:
@@ -56,12 +77,16 @@ def _diameter(system: System) -> float:
     for one overlap to reach half of it.
     """
     total, farthest = physics.energy(system), physics.farthest(system)
-    law, rest = system.along[0].law, float(np.max(system.along[0].law.rest))
-    alone, shared = (rest + laws.max_strain(law, energy) for energy in (total, total / 2.0))
+    rest = float(np.max(system.along[0].law.rest))
+    alone, shared = (
+        rest + max(laws.max_strain(link.law, energy) for link in system.contacts) for energy in (total, total / 2.0)
+    )
     held = (link.law for link in system.walls)
     walls = (2.0 * float(np.max(law.rest + law.max_strain(total, *law))) for law in held)
     # dashpots between chains act by the distance of two beads
     damped = any(link.kind == "across" and not system.is_tie(link) for link in system.dampers)
     rows = (rest + 2.0 * laws.max_strain(link.law, total) for link in system.couplings if damped)
-    least = max(4.0, 2.0 * alone, 2.0 * shared, *walls, *rows)
+    # a bead that starts outside a periodic box would be moved to its other end
+    inside = [4.0 * float(np.max(np.abs(system.start.displacement)))] if system.closing and system.start else []
+    least = max(4.0, 2.0 * alone, 2.0 * shared, *walls, *rows, *inside)
     return power_of_two_at_least(max(2.0 * least, 4.0 * farthest) if 0.0 < farthest < np.inf else least)

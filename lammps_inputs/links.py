@@ -7,8 +7,9 @@ its place at rest, the ground: such places are of infinite mass, so that only th
 
 Displacements (in L), velocities (in V) and accelerations (in V / T) of beads are [..., chain, bead]. Forces (in
 m V / T) and energies (in m V**2) of links are [..., chain, contact], [..., edge, row], [..., chain, bead] or, at a
-wall, [..., chain, 1]: in short [..., link]. Functions of arrays that hold only some rows take ``first``, the bead with
-which the last axis begins, by which they choose the parameters of a law that differs from link to link.
+wall and where a ring closes, [..., chain, 1]: in short [..., link]. Functions of arrays that hold only some rows take
+``first``, the bead with which the last axis begins, by which they choose the parameters of a law that differs from link
+to link.
 """
 
 import functools
@@ -28,7 +29,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-Kind = Literal["along", "across", "ground", "wall"]
+Kind = Literal["along", "closing", "across", "ground", "wall"]
 
 DENSE = 300
 """Chains up to which eigenvalues of a graph are computed."""
@@ -131,6 +132,19 @@ class Links:
         return cls(name, law, Beads(slice(None, -1)), Beads(slice(1, None)), gap)
 
     @classmethod
+    def closing(cls, name: str, law: Law, gap: float | Floats = 0.0) -> "Links":
+        """Links of the last bead of each chain with the first, which close it to a ring, [..., chain, 1].
+
+        Displacements count from places at rest, so that the length of the ring is in none of the strains.
+
+        Args:
+            name: name for users.
+            law: law of every link.
+            gap: clear distance at rest, a number or [chain, 1].
+        """
+        return cls(name, law, LAST, FIRST, gap)
+
+    @classmethod
     def across(
         cls, name: str, law: Law, edges: tuple[tuple[int, int], ...], grid: tuple[int, int] | None = None
     ) -> "Links":
@@ -177,7 +191,11 @@ class Links:
 
     @cached_property
     def kind(self) -> Kind:
-        """Which beads are linked: neighbours of a chain, beads of a row, or beads and their places, all or the last."""
+        """Which beads are linked: neighbours of a chain, its last and first bead, beads of a row, or beads and their
+        places, all or the last.
+        """
+        if (self.first, self.second) == (LAST, FIRST):
+            return "closing"
         if self.first is not None and self.second is not None:
             return "along" if self.first.lines is None else "across"
         return "ground" if EACH in (self.first, self.second) else "wall"
@@ -191,14 +209,14 @@ class Links:
         """
         if self.kind == "along":
             return slice(1, -1)
-        if self.kind != "wall":
+        if not self.touching:
             raise ValueError(f"{self.name}: are not along the chain")
-        return slice(-1, None) if self.side > 0.0 else slice(0, 1)
+        return slice(0, 1) if self.first is None else slice(-1, None)
 
     @property
     def touching(self) -> bool:
         """Whether these links are along the chain, between its beads and with the places at its ends."""
-        return self.kind in ("along", "wall")
+        return self.kind in ("along", "closing", "wall")
 
     @property
     def side(self) -> float:
@@ -230,8 +248,11 @@ class Links:
                 exists = (other >= 0) & (other < beads)
                 place = np.clip(np.minimum(bead, other), 0, beads - 2)
                 yield LinksOfBeads(exists, sign, chain, place, (chain, np.where(exists, other, bead)))
-            elif self.kind == "wall":
-                yield LinksOfBeads(bead == (beads - 1 if sign > 0.0 else 0), sign, chain, np.zeros_like(bead), None)
+            elif self.touching:
+                here, there = (beads - 1, 0) if sign > 0.0 else (0, beads - 1)
+                exists = bead == here
+                last = None if len(self.ends) == 1 else (chain, np.where(exists, there, bead))
+                yield LinksOfBeads(exists, sign, chain, np.zeros_like(bead), last)
             else:
                 yield LinksOfBeads(np.ones(bead.shape, dtype=bool), sign, chain, bead, None)
 
@@ -250,7 +271,7 @@ class Links:
 
     def on(self, rows: slice | Integers) -> Self:
         """Links among chosen rows, [row], counted from 0; each is taken to be next to the one before."""
-        if self.kind == "wall" or not self.differ:
+        if self.kind in ("closing", "wall") or not self.differ:
             return self
         if self.kind == "along":
             rows = slice(rows.start, rows.stop - 1) if isinstance(rows, slice) else rows[:-1]

@@ -96,18 +96,19 @@ class Forces(ScenePart):
         if self.wall and not walls:
             raise ValueError("output.forces.wall: the chains have no wall; name one in walls, or leave this out")
         contacts, sensors = self.contacts or (), self.sensors or ()
+        first, last = (1, beads) if system.closing else (2, beads - 1)
         for bead in contacts:
-            if bead > beads - 1:
-                raise ValueError(f"output.forces.contacts: bead {bead} has no next one (beads 1 to {beads - 1} have)")
+            if bead > last:
+                raise ValueError(f"output.forces.contacts: bead {bead} has no next one (beads 1 to {last} have)")
         for bead in sensors:
-            if not 2 <= bead <= beads - 1:
+            if not first <= bead <= last:
                 raise ValueError(
-                    f"output.forces.sensors: bead {bead} has no bead on either side (beads 2 to {beads - 1} have)"
+                    f"output.forces.sensors: bead {bead} has no bead on either side (beads {first} to {last} have)"
                 )
         needed = {
             "wall": {beads if wall.side > 0.0 else 1 for wall in walls},
-            "contacts": {bead + beside for bead in contacts for beside in (0, 1)},
-            "sensors": {bead + beside for bead in sensors for beside in (-1, 0, 1)},
+            "contacts": {(bead + beside - 1) % beads + 1 for bead in contacts for beside in (0, 1)},
+            "sensors": {(bead + beside - 1) % beads + 1 for bead in sensors for beside in (-1, 0, 1)},
         }
         for key, wanted in needed.items():
             if missing := _not_recorded(recorded, wanted):

@@ -75,13 +75,13 @@ def mass_from(system: System, first: int, array: NDArray[np.float64], absent: fl
 @once
 def alike(system: System) -> bool:
     """Whether all beads, and all their contacts, are the same."""
-    return isinstance(system.mass, float) and not any(link.differ for link in system.along)
+    return isinstance(system.mass, float) and not any(link.differ for link in system.contacts)
 
 
 @once
 def one_kind(system: System) -> bool:
     """Whether all beads are the same, and all contacts but for their static load."""
-    return isinstance(system.mass, float) and not any(np.ndim(laws.strength(link.law)) for link in system.along)
+    return isinstance(system.mass, float) and not any(np.ndim(laws.strength(link.law)) for link in system.contacts)
 
 
 def lines(system: System) -> int:
@@ -153,7 +153,7 @@ def why_no_pulse(system: System) -> str:
 @once
 def farthest(system: System) -> float:
     """How much farther apart than at rest neighbours that act at a distance come, at most; 0 where none do."""
-    return max((float(link.law.farthest(energy(system))) for link in system.along), default=0.0)
+    return max((float(link.law.farthest(energy(system))) for link in system.contacts), default=0.0)
 
 
 def uniform(system: System) -> bool:
@@ -250,7 +250,7 @@ def _energy_of_fall(system: System, start: float) -> float:
     """
     supplied, heaviest = _energies_of_fall(system)
     bound = least = max(start + supplied, 0.5)  # V is the velocity of a fall, if of nothing faster
-    touching = [link.law for link in (*system.along, *system.walls)]
+    touching = [link.law for link in (*system.contacts, *system.walls)]
     for _ in range(_FALLS if heaviest else 0):
         bound = least + heaviest * max(laws.max_strain(law, bound) for law in touching)
     return bound
@@ -352,7 +352,7 @@ def force_at_start(system: System) -> NDArray[np.float64]:
 
 def span_at_start(system: System) -> tuple[int, int]:
     """First and last bead, counted from 1, that move or are pushed at the start; all others feel no force."""
-    if system.weights:
+    if system.weights or system.closing:
         return 1, system.beads
     beads = [bead for _, bead, _ in excitations(system)]
     if system.start is not None:
@@ -387,18 +387,19 @@ def exchanges(system: System) -> bool:
 @once
 def gap(system: System) -> float:
     """Clear distance between neighbouring beads, the largest if they differ; 0 where all touch."""
-    return float(np.max(system.along[0].gap))
+    return max(float(np.max(link.gap)) for link in system.contacts)
 
 
 def one_gap(system: System) -> bool:
     """Whether all neighbouring beads are the same clear distance apart, or touch."""
-    return np.ndim(system.along[0].gap) == 0
+    return all(np.ndim(link.gap) == 0 for link in system.contacts)
 
 
 def exponent(system: System) -> float | None:
     """Exponent of the overlap in the force of all contacts; None where that is no power, or contacts differ."""
-    power = system.along[0].law.exponent if len(system.along) == 1 else None
-    return None if isinstance(power, np.ndarray) else power
+    powers = [link.law.exponent for link in system.contacts]
+    alike = len(system.along) == 1 and not any(isinstance(power, np.ndarray) for power in powers)
+    return powers[0] if alike else None
 
 
 @once
@@ -419,7 +420,7 @@ def contacts_with_state(system: System) -> tuple[Links, ...]:
     Arrays of states are [..., chain, bead + 1]: of the wall before the first bead, of the contact behind each other,
     and of the wall behind the last.
     """
-    return tuple(link for link in (*system.along, *system.walls) if laws.has_state(link.law))
+    return tuple(link for link in (*system.contacts, *system.walls) if laws.has_state(link.law))
 
 
 def taken_by_state(law: Law) -> frozenset[Fact]:
@@ -567,7 +568,7 @@ def simply_coupled(system: System) -> bool:
 
     Its beads have the mass 1.
     """
-    others = system.ground or system.walls or system.weights or system.start is not None
+    others = system.ground or system.walls or system.closing or system.weights or system.start is not None
     free = isinstance(masses(system), float) and not others
     return free and open_row(system) and not acted_on(system) and not system.dampers
 

@@ -29,6 +29,7 @@ from lammps_inputs.complaints import describe
 from lammps_inputs.deck_atoms import DeckAtoms
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
+from lammps_inputs.ingredients import periodic
 from lammps_inputs.ingredients.base import (
     Count,
     FurtherAtoms,
@@ -114,7 +115,7 @@ UNCOUPLED = 1e-3
 MAX_LENGTH = 1e9
 """Dimensionless; positions up to here resolve overlaps of order 1 to 1e-7."""
 
-_OF_BEADS = ("gap", "material", "window", *KEYS_OF_UNEQUAL)
+_OF_BEADS = ("gap", "material", "periodic", "window", *KEYS_OF_UNEQUAL)
 """Keys beside those of ingredients on which masses, links and loads depend (`Setting.parts`)."""
 
 _OF_THE_RUN = {"name", "description", "duration", "until_bead", "timestep", "accuracy", "scheme", "limits", "output"}
@@ -131,6 +132,16 @@ _EXCITATIONS = {
     "initial": "velocity that the initial state can give a bead",
     "gravity": "velocity of a fall through the gap",
 }
+
+
+def _none_if_false(value: Any) -> Any:
+    if not isinstance(value, bool | None):
+        raise ValueError(f"should be true or false, not {value!r}")
+    return value or None
+
+
+Closed = Annotated[Literal[True] | None, BeforeValidator(_none_if_false, json_schema_input_type=bool)]
+"""Whether chains are rings; false is as good as absent."""
 
 
 class Kick(ScenePart):
@@ -201,6 +212,8 @@ class BaseScene(ScenePart, metaclass=SceneType):
     """Clear distance between neighbouring beads at rest, 0: they just touch; or gaps by contact, a list with one for
     each contact, or random ones.
     """
+    periodic: Annotated[Closed, Label("periodic")] = None
+    """Whether the last bead of each chain touches the first, so that a chain of N beads is a ring of N contacts."""
     kinds: Kinds | None = None
     """Kinds of beads by name, for `pattern` and `replace`."""
     pattern: Pattern | None = None
@@ -283,6 +296,8 @@ class BaseScene(ScenePart, metaclass=SceneType):
         self._check_numbers()
         self._check_materials()
         setting = self.setting
+        if setting.closed:
+            periodic.refuse(self.beads, setting.parts)
         for ingredient in self.ingredients:
             ingredient.refuse(setting)
         self._check_wanted()
@@ -644,7 +659,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
     @cached_property
     def gaps(self) -> float | Floats:
         """Clear distances of neighbouring beads at rest: a number, or [chain, contact], in the units of the scene."""
-        return number_or_array(values_of("gap", self.gap, (self.chains, self.beads - 1)))
+        return number_or_array(values_of("gap", self.gap, (self.chains, self.beads - (self.periodic is None))))
 
     @property
     def ingredients(self) -> tuple[Ingredient, ...]:
@@ -689,14 +704,15 @@ class BaseScene(ScenePart, metaclass=SceneType):
         scale = setting.scale
         mass, strength = masses_and_strengths(setting)
         law = setting.law_between(strength, partial(neighbours, setting))
-        touching = contacts(self.gaps / scale.length, strength, law and laws.for_all(law, setting.contacts))
+        law = law and laws.for_all(law, setting.contacts)
+        touching = contacts(self.gaps / scale.length, strength, law, closed=setting.closed)
         links = [link for ingredient in self.ingredients for link in ingredient.links(setting)]
         loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(setting))
         motions = summed(motion for ingredient in self.ingredients for motion in ingredient.motions(setting))
         taken = {fact for ingredient in self.ingredients for fact in ingredient.lacks(setting)}
         taken |= {Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set()
         further_lines, ties, dashpots = together(self.chains, [atoms for _, atoms in self._further_atoms(setting)])
-        taken |= physics.taken_by_state(touching[0].law)
+        taken |= physics.taken_by_state(touching[0].law) | ({Fact.FRONT} if setting.closed else set())
         system = System(
             chains=self.chains,
             beads=self.beads,

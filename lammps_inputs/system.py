@@ -134,6 +134,16 @@ class System:
         return tuple(link for link in self.links if link.kind == "along")
 
     @cached_property
+    def closing(self) -> tuple[Links, ...]:
+        """The links that close the chains to rings; none where chains have ends."""
+        return tuple(link for link in self.links if link.kind == "closing")
+
+    @cached_property
+    def contacts(self) -> tuple[Links, ...]:
+        """The links between neighbouring beads of a chain, those that close rings included."""
+        return (*self.along, *self.closing)
+
+    @cached_property
     def across(self) -> tuple[Links, ...]:
         """The links across the lines of atoms: the couplings of chains, then the ties of further lines."""
         return tuple(link for link in self.links if link.kind == "across")
@@ -154,7 +164,7 @@ class System:
         return tuple(link for link in self.across if self.is_tie(link))
 
     def among(self, links: Iterable[Links], first: int, width: int) -> tuple[Links, ...]:
-        """Those of some links that an array of consecutive beads holds: all but walls at beads that it does not.
+        """Those of some links that an array of consecutive beads holds: all but those at ends that it does not.
 
         Args:
             links: links of the system.
@@ -162,7 +172,12 @@ class System:
             width: number of beads.
         """
         at_wall = {-1.0: 1, 1.0: self.beads}
-        return tuple(x for x in links if x.kind != "wall" or first <= at_wall[x.side] < first + width)
+        every = width == self.beads
+        return tuple(
+            x
+            for x in links
+            if (x.kind != "wall" or first <= at_wall[x.side] < first + width) and (x.kind != "closing" or every)
+        )
 
     def on(self, rows: NDArray[np.int64]) -> "System":
         """The system at chosen rows, [row] counted from 0; kicks, loads and motions keep the numbers of their beads."""

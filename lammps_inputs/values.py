@@ -2,14 +2,17 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lammps_inputs import laws
 from lammps_inputs.ingredients import unequal
 from lammps_inputs.links import Links
 from lammps_inputs.numbers import known, text
+from lammps_inputs.system import System
 from lammps_inputs.units import Dimension, Scale, dimension_of
 
 if TYPE_CHECKING:
@@ -33,7 +36,7 @@ class BeadColumn(NamedTuple):
 
 def columns(scene: "BaseScene") -> list[BeadColumn]:
     """Columns of all that differs from bead to bead; none where all beads, contacts and springs are alike."""
-    links = scene.system.links_of_chains
+    links = _with_last(scene.system)
     candidates = [*_of_beads(scene), *(column for link in links for column in _of_link(link, scene))]
     return [column for column in candidates if len(np.unique(column.values[np.isfinite(column.values)])) > 1]
 
@@ -66,6 +69,20 @@ def _of_beads(scene: "BaseScene") -> Iterator[BeadColumn]:
     yield BeadColumn("plane_modulus (Pa)" if si else "plane_modulus", plane_modulus * unequal.moduli(scene.setting))
 
 
+def _with_last(system: System) -> Iterator[Links]:
+    """Links of chains; contacts of rings with those that close them, [chain, bead]."""
+    shape = system.chains, system.beads - 1
+    last = {"along": system.closing, "closing": ()}
+    for link in system.links_of_chains:
+        for closing in last.get(link.kind, ()):
+            gap, law = link.gap, laws.joined(link.law, closing.law, shape)
+            if isinstance(gap, np.ndarray):
+                gap = np.concatenate([gap, np.broadcast_to(closing.gap, (system.chains, 1))], axis=1)
+            yield replace(link, gap=gap, law=law)
+        if not (system.closing and link.kind in last):
+            yield link
+
+
 def _of_link(link: Links, scene: "BaseScene") -> Iterator[BeadColumn]:
     if np.ndim(link.gap) > 0:
         for _, table in _at_beads(link, link.gap, scene):
@@ -84,8 +101,9 @@ def _at_beads(link: Links, values: Any, scene: "BaseScene") -> Iterator[tuple[st
     """Values of links, [chain, bead], and what their names end with; one table for each neighbour of a graph."""
     shape = (scene.chains, scene.beads)
     if link.kind == "along":
-        contacts = np.broadcast_to(values, (scene.chains, scene.beads - 1))
-        yield "", np.pad(contacts, ((0, 0), (0, 1)), constant_values=np.nan)
+        count = np.shape(values)[-1]
+        contacts = np.broadcast_to(values, (scene.chains, count))
+        yield "", np.pad(contacts, ((0, 0), (0, scene.beads - count)), constant_values=np.nan)
     elif link.kind == "across":
         rows = np.broadcast_to(values, (len(link.edges), scene.beads))
         tables: dict[str, Floats] = {}

@@ -52,6 +52,9 @@ BY_BOND = {"lattice", "formulas of springs"}
 ACROSS_RANKS = [
     *sorted(BY_BOND),
     "foundations over time",
+    "closed to rings of sizes, damped",
+    "closed to rings, random contacts, resonators",
+    "bonded rings, initial states",
     "disorder",
     "walls of exponent 3, gap",
     "exponents by contact",
@@ -84,6 +87,8 @@ OLD += [
     "foundations over time",
     "foundation that vanishes in time beside a graded one",
     "wavy contacts, gap, walls",
+    "closed to rings",
+    "closed to rings, random contacts, resonators",
     "graded column of exponent 1",
     "exponents by contact",
     "random contacts, damping viscoelastic",

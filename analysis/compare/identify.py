@@ -333,6 +333,8 @@ def _place(link: Links, line: int, bead: int) -> str:
     """Place of one of some links."""
     if link.kind == "along":
         return f"between beads {bead + 1} and {bead + 2} of chain {line + 1}"
+    if link.kind == "closing":
+        return f"between the last bead and bead 1 of chain {line + 1}"
     if link.kind == "across":
         lower, higher = link.edges[line]
         return f"between chains {lower + 1} and {higher + 1} in row {bead + 1}"
@@ -353,7 +355,7 @@ def _other_law(equations: MomentumEquations, part: LinkImpulses) -> Explanation:
     """Force that is another function of the strain: with another exponent or gap, if one explains it, or unknown."""
     effect = _norm(equations.residual) / equations.size
     exponent = _other_parameters_of(equations, part, _of_exponent)
-    gap = _other_parameters_of(equations, part, _of_gap) if part.link.kind == "along" else None
+    gap = _other_parameters_of(equations, part, _of_gap) if part.link.kind in ("along", "closing") else None
     named = [fit for fit in (exponent, gap) if fit is not None]
     multiplied = _multiplied(equations, part)
     if named:

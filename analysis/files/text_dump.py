@@ -35,6 +35,7 @@ class DumpFrame(NamedTuple):
         rows: [atom, column]; positions as they stand in the file.
         origin: position of a stated 0.
         unit: length of a stated 1: 1, or the box of scaled positions.
+        period: length after which positions begin again, of a box that is periodic along the chains; 0 of others.
     """
 
     step: int
@@ -43,6 +44,7 @@ class DumpFrame(NamedTuple):
     rows: Floats
     origin: float = 0.0
     unit: float = 1.0
+    period: float = 0.0
 
 
 def is_text_dump(path: Path) -> bool:
@@ -98,6 +100,8 @@ def load_dump(path: Path, beads: int, timestep: float, deck: DeckAtoms | None = 
     stated = values[..., 1] if "position" in first.names else None
     origin, unit = np.array([(frame.origin, frame.unit) for frame in frames]).T[:, :, np.newaxis]
     position = None if stated is None else sign * (origin + unit * stated)
+    if position is not None and first.period:  # atoms that leave a periodic box enter it at the other end
+        position = np.unwrap(position, period=first.period, axis=0)
     velocity = sign * values[..., -1] if "velocity" in first.names else None
     late = time[0] > 0.5 * timestep
     if late and velocity is None:
@@ -166,6 +170,7 @@ def _frame(file: TextIO, path: Path, axis: str) -> DumpFrame | None:
     """The next complete frame, with positions and velocities along an axis; None at the end."""
     step, time, count = -1, None, -1
     box: list[str] = []
+    flags: list[str] = []
     while line := file.readline():
         item = line.strip()
         if item == _FIRST:
@@ -175,7 +180,7 @@ def _frame(file: TextIO, path: Path, axis: str) -> DumpFrame | None:
         elif item == "ITEM: NUMBER OF ATOMS":
             count = int(file.readline())
         elif item.startswith("ITEM: BOX BOUNDS"):
-            box = [file.readline() for _ in "xyz"]
+            box, flags = [file.readline() for _ in "xyz"], item.split()[3:6]
         elif item.startswith("ITEM: ATOMS"):
             columns = item.split()[2:]
             chosen = _columns(path, columns, axis)
@@ -185,11 +190,13 @@ def _frame(file: TextIO, path: Path, axis: str) -> DumpFrame | None:
             if (width := len(lines[0].split())) != len(columns):
                 raise ValueError(f"{len(columns)} columns are named, {width} found")
             rows = np.loadtxt(lines, ndmin=2, dtype=np.float64, usecols=[columns.index(n) for n in chosen.values()])
-            low, high = 0.0, 1.0
-            if chosen.get("position", axis).removeprefix(axis) in _SCALED:
-                low, high = map(float, box["xyz".index(axis)].split()[:2])
+            low, high, along, column = 0.0, 1.0, "xyz".index(axis), chosen.get("position", axis)
+            ends = [float(word) for word in box[along].split()[:2]] if box else [0.0, 0.0]
+            if column.removeprefix(axis) in _SCALED:
+                low, high = ends
+            wraps = flags[along : along + 1] == ["pp"] and not column.endswith("u")
             finite = None if time is None or not math.isfinite(time) else time
-            return DumpFrame(step, finite, list(chosen), rows, low, high - low)
+            return DumpFrame(step, finite, list(chosen), rows, low, high - low, wraps * (ends[1] - ends[0]))
     return None
 
 

@@ -33,7 +33,8 @@ def complaint(channel: Channel, problem: Problem) -> str | None:
         side = "right" if channel.right else "left"
         exists = any(gauge.side == side for gauge in gauges(problem.system, wall=True))
         return None if exists else f"the scene has no {side} wall"
-    first, last = {"contact": (1, beads - 1), "sensor": (2, beads - 1)}.get(channel.kind, (1, beads))
+    ends = {} if problem.system.closing else {"contact": (1, beads - 1), "sensor": (2, beads - 1)}
+    first, last = ends.get(channel.kind, (1, beads))
     return None if first <= channel.bead <= last else f"beads {first} to {last} of the scene have such"
 
 

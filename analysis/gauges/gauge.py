@@ -104,7 +104,8 @@ def gauges(
         chosen.append(Gauge("wall", name, bead, (_probe(system, place),)))
     chosen += [Gauge("contact", f"contact {bead}", bead, (_probe(system, bead),)) for bead in contacts]
     chosen += [
-        Gauge("sensor", f"sensor {bead}", bead, (_probe(system, bead - 1), _probe(system, bead))) for bead in sensors
+        Gauge("sensor", f"sensor {bead}", bead, (_probe(system, _behind(system, bead)), _probe(system, bead)))
+        for bead in sensors
     ]
     return tuple(chosen)
 
@@ -113,6 +114,11 @@ def far_wall(system: System) -> Gauge | None:
     """The gauge at the wall that the largest excitation goes towards; None where there is none."""
     side = "right" if physics.largest_excitation(system)[2] > 0.0 else "left"
     return next((gauge for gauge in gauges(system, wall=True) if gauge.side == side), None)
+
+
+def _behind(system: System, bead: int) -> int:
+    """Place of the contact behind a bead, from 0; of the first bead of a ring that with the last."""
+    return system.beads if bead == 1 and system.closing else bead - 1
 
 
 def _probe(system: System, place: int) -> Probe:
@@ -139,7 +145,7 @@ def _probe(system: System, place: int) -> Probe:
     static = sum(
         np.broadcast_to(laws.at(link.law, chains, position).load, system.chains) for link, position in contacts
     )
-    ahead = place + 1 if place < beads else 0
+    ahead = place + 1 if place < beads else 1 if system.closing else 0
     return Probe(place, ahead, force, np.asarray(static), loss if dashpots else None, place)
 
 

@@ -223,7 +223,7 @@ def shares_of_action(block: Trajectory, frames: slice) -> Floats:
     action = 0.5 * now.mass * np.sum(v * v + (square[..., None] * x) * x, axis=-1) / omega
     total = np.sum(action, axis=-1, keepdims=True)
     energy = motion.energy(now, displacement, velocity)
-    loaded = sum(link.energy(displacement).sum(axis=(-2, -1)) for link in (*now.along, *now.walls))
+    loaded = sum(link.energy(displacement).sum(axis=(-2, -1)) for link in (*now.contacts, *now.walls))
     defined = (loaded <= UNLOADED * energy)[:, None] & (total > 0.0)
     return np.asarray(np.where(defined, action / np.where(defined, total, 1.0), np.nan))
 
@@ -370,7 +370,7 @@ class ShareMeter(Meter[tuple[Integers, Floats], EnergyShares]):
         kinetic = motion.kinetic_energy(system, v, first)
         contacts = motion.contact_energy(system, x, first)
         total = np.sum(kinetic, axis=-1) + np.sum(contacts, axis=-1)
-        links = (*system.couplings, *system.ground, *system.walls)
+        links = (*system.closing, *system.couplings, *system.ground, *system.walls)
         for link in system.among(links, first, x.shape[-1]):
             link.add_chain_energy(total, link.energy(x, first))
         energies = np.zeros((3, 1 + len(peaks), *total.shape[1:]))

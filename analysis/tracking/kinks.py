@@ -105,7 +105,7 @@ def _begun(block: Trajectory, start: Integers, chain: Integers, bead: Integers, 
         """Acceleration of beads at positions [bead], [frame, bead]."""
         return motion.acceleration_and_rate(block, at, chain, position)[0]
 
-    for link in (*system.along, *system.walls):
+    for link in (*system.contacts, *system.walls):
         damper = physics.loss_beside(system, link)
         for near in link.of_beads(chain, bead, block.displacement.shape[1:]):
             index = near.line, block.first - 1 + near.place

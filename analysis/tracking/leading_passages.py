@@ -17,8 +17,11 @@ from lammps_inputs import Problem, physics
 
 
 def opposed(problem: Problem) -> bool:
-    """Whether there are kicks both ways, so that a bead's first maximum may be residual motion of the other pulse."""
-    return any(velocity * problem.direction < 0.0 for _, _, velocity in physics.excitations(problem.system))
+    """Whether a bead's first maximum may be residual motion: there are kicks both ways, or the chains are rings, round
+    which the residual motion of the kicked bead comes from behind.
+    """
+    against = any(velocity * problem.direction < 0.0 for _, _, velocity in physics.excitations(problem.system))
+    return bool(problem.system.closing) or against
 
 
 def leading_meter(problem: Problem) -> PeakMeter:

@@ -35,7 +35,7 @@ from lammps_inputs import engine_limits, file_names, laws, loads, physics, schem
 from lammps_inputs.deck_lines import AtomTypes, BeadLayout, DeckLines
 from lammps_inputs.laws import dashpot, spring
 from lammps_inputs.laws.contact_lines import wall_lines
-from lammps_inputs.layout import across_of, layout_of, wall_of
+from lammps_inputs.layout import across_of, ends_of_box, layout_of, wall_of
 from lammps_inputs.links import Links
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
@@ -83,7 +83,7 @@ def render_deck(problem: Problem, start: Sequence[str] = (), opening: float = 0.
         [
             *START,
             f"atom_style {_atom_style(problem)}",
-            "boundary s f f                   # x: the box follows rebounding beads; y, z: no periodic images",
+            _boundary(problem),
             *neighbour_lines(problem, opening or _opening(problem)),
             *number_fix(problem),
             f"read_data {file_names.DATA}" + " fix numbers NULL Numbers" * bool(number_fix(problem)),
@@ -103,6 +103,12 @@ def render_deck(problem: Problem, start: Sequence[str] = (), opening: float = 0.
     sections.append(output_lines(problem, file_names.DUMP))
     sections.append([scheme.timestep_command(problem.scheme), *moved_lines(problem), *run])
     return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
+
+
+def _boundary(problem: Problem) -> str:
+    if problem.system.closing:
+        return "boundary p f f                   # x: chains are rings; y, z: no periodic images"
+    return "boundary s f f                   # x: the box follows rebounding beads; y, z: no periodic images"
 
 
 def neighbour_lines(problem: Problem, opening: float = 0.0) -> list[str]:
@@ -134,9 +140,12 @@ def spelling(problem: Problem) -> list[DeckLines]:
 
 
 def _spelled(system: System) -> tuple[Links, ...]:
-    """The links that have lines of their own, in the order of these; dashpots of contacts and walls are with those."""
+    """The links that have lines of their own, in the order of these; dashpots of contacts and walls are with those, and
+    contacts that close rings with the others.
+    """
     dampers = (link for link in system.dampers if not link.touching)
-    return (*system.links_of_chains, *dampers, *system.ties)
+    links = (link for link in system.links_of_chains if link.kind != "closing")
+    return (*links, *dampers, *system.ties)
 
 
 @functools.lru_cache(maxsize=1)  # types of atoms that distinguish contacts take a second of many beads
@@ -165,7 +174,12 @@ def _of_link(link: Links, system: System, layout: BeadLayout) -> DeckLines:
         raise engine_limits.ROWS.error(link.name)
     if _kind(link) == "wall":
         return wall_lines(wall_of(link, system), layout)
-    lines: DeckLines = getattr(link.law, _kind(link))(across_of(link, system) if link.edges else link.name, layout)
+    law: Any = link.law
+    if link.kind == "along" and system.closing:
+        ends_of_box(system)
+        [closing] = system.closing
+        law = laws.joined(law, closing.law, (system.chains, system.beads - 1))
+    lines: DeckLines = getattr(law, _kind(link))(across_of(link, system) if link.edges else link.name, layout)
     damped = link.kind == "along" and layout.contact_loss is not None
     return dashpot.beside(lines, layout) if damped and not lines.damped else lines
 
@@ -391,7 +405,8 @@ def _opening(problem: Problem) -> float:
     """How much farther apart than at rest neighbours start, at most, in units of L."""
     if problem.system.start is None:
         return 0.0
-    return float(np.max(np.diff(problem.system.start.displacement[: problem.chains], axis=-1), initial=0.0))
+    x = problem.system.start.displacement[: problem.chains]
+    return max(0.0, *(float(np.max(-link.rate(x))) for link in problem.system.contacts))
 
 
 def _bonds(problem: Problem) -> list[tuple[int, int, NDArray[np.int64]]]:
@@ -437,7 +452,8 @@ def render_data(problem: Problem) -> str:
         out.write(f"{count} bonds\n{kinds} bond types\n")
     apart = 2.0 * (problem.layout.diameter + physics.gap(system))
     side = text(apart)
-    out.write(f"\n0 {text((beads + 1) * spacing)} xlo xhi\n")
+    ends = ends_of_box(system) if system.closing else (0, (beads + 1) * spacing)
+    out.write(f"\n{' '.join(map(text, ends))} xlo xhi\n")
     out.write(f"-{side} {text(apart * lines)} ylo yhi\n-{side} {side} zlo zhi\n")
     out.write(f"\nAtoms # {_atom_style(problem)}\n\n")
     places = [text(x) for x in problem.layout.places[0, :beads]]

@@ -79,7 +79,16 @@ class Setting:
     @property
     def contacts(self) -> tuple[int, int]:
         """Number of chains, and of the contacts of each."""
-        return self.chains, self.beads - 1
+        return self.chains, self.beads - (not self.closed)
+
+    @property
+    def closed(self) -> bool:
+        """Whether the last bead of each chain touches the first."""
+        return self.part("periodic") is not None
+
+    def at_contacts(self, values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Values of the beads behind and ahead of each contact, [chain, contact], of values [chain, bead]."""
+        return (values, np.roll(values, -1, axis=1)) if self.closed else (values[:, :-1], values[:, 1:])
 
     @property
     def gap_of_walls(self) -> float:

@@ -11,6 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 
 from lammps_inputs import laws, physics
+from lammps_inputs.chains import contacts
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Coefficient, Ingredient, NotNegative, Setting
 from lammps_inputs.ingredients.contact import HERTZ
@@ -134,7 +135,7 @@ class Damping(Ingredient):
         dampers: list[Links] = []
         if not self._undamped():
             gap = setting.gap / setting.scale.length
-            dampers.append(Links.along("contact_damping", self._of_contacts(setting), gap))
+            dampers += contacts(gap, law=self._of_contacts(setting), name="contact_damping", closed=setting.closed)
             for wall in _walls(setting):
                 dampers.append(replace(wall, name=f"{wall.name}_damping", law=self._at_wall(wall, setting)))
         if self.coupling:
@@ -188,7 +189,7 @@ class Damping(Ingredient):
     def _of_contacts(self, setting: Setting) -> ContactLoss:
         """Dashpot of the contacts of beads."""
         mass, strength = masses_and_strengths(setting)
-        reduced = 0.5 if isinstance(mass, float) else 1.0 / (1.0 / mass[:, :-1] + 1.0 / mass[:, 1:])
+        reduced = 0.5 if isinstance(mass, float) else 1.0 / sum(1.0 / each for each in setting.at_contacts(mass))
         return self._loss(strength, reduced, setting)
 
     def _at_wall(self, wall: Links, setting: Setting) -> ContactLoss:

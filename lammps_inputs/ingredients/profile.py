@@ -209,5 +209,5 @@ def values_of(key: str, given: Any, shape: tuple[int, int], mean: float = 1.0) -
         base.refuse_other_count(key, rows, shape[0], noun="lists")
     for row in rows:
         if len(row) != shape[1]:
-            raise ValueError(f"{key}: {len(row)} numbers for the {shape[1]} contacts of {shape[1] + 1} beads")
+            raise ValueError(f"{key}: {len(row)} numbers for the {shape[1]} contacts of a chain")
     return np.array(np.broadcast_to(rows, shape))

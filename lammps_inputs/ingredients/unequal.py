@@ -255,8 +255,10 @@ def sizes_and_moduli(setting: Setting) -> tuple[float | Floats, float | Floats]:
     if not unlike(setting):
         return 1.0, 1.0
     _, radius, modulus, _ = _beads(setting)
-    size = 2.0 * radius[:, :-1] * radius[:, 1:] / (radius[:, :-1] + radius[:, 1:])
-    return size, 2.0 / (1.0 / modulus[:, :-1] + 1.0 / modulus[:, 1:])
+    behind, ahead = setting.at_contacts(radius)
+    size = 2.0 * behind * ahead / (behind + ahead)
+    behind, ahead = setting.at_contacts(modulus)
+    return size, 2.0 / (1.0 / behind + 1.0 / ahead)
 
 
 def with_its_like(setting: Setting, bead: int) -> float | Floats:
@@ -280,7 +282,7 @@ def softness(setting: Setting, bead: int) -> float | Floats:
 def neighbours(setting: Setting) -> Solids:
     """Neighbouring beads of the chains in contact, [chain, contact]; numbers where all beads are the same."""
     soft = _beads(setting)[3] if unlike(setting) else np.ones((1, 2))
-    return Solids(*sizes_and_moduli(setting), number_or_array(np.minimum(soft[:, :-1], soft[:, 1:])))
+    return Solids(*sizes_and_moduli(setting), number_or_array(np.minimum(*setting.at_contacts(soft))))
 
 
 def cited(setting: Setting) -> dict[str, list[str]]:

@@ -389,6 +389,23 @@ def for_all(law: Any, shape: tuple[int, int]) -> Any:
     return type(law)(*(np.array(np.broadcast_to(values, shape)) if np.ndim(values) > 0 else values for values in law))
 
 
+def joined(law: Any, last: Any, shape: tuple[int, int]) -> Any:
+    """Law whose parameters that differ are those of a law of a shape, [chain, contact], and one more of each chain.
+
+    Args:
+        law: law of all links but the last of each chain.
+        last: law of these, of parameters that are numbers or [chain, 1].
+        shape: number of chains, and of links of each but the last.
+    """
+
+    def both(values: Any, more: Any) -> Any:
+        if np.ndim(values) == 0 and np.ndim(more) == 0:
+            return values
+        return np.concatenate([np.broadcast_to(values, shape), np.broadcast_to(more, (shape[0], 1))], axis=1)
+
+    return type(law)(*map(both, law, last))
+
+
 def at(law: Law, *index: Any) -> Any:
     """The law of chosen links: parameters that differ are taken at an index of the arrays."""
     return type(law)(*(parameter[index] if np.ndim(parameter) > 0 else parameter for parameter in law))

@@ -158,7 +158,7 @@ class Power(Law):
             raise engine_limits.EXPONENTS.error(name, others[0])
         both = np.stack(np.broadcast_arrays(self.strength, power), axis=-1)
         kinds, kind = np.unique(both.reshape(-1, 2), axis=0, return_inverse=True)
-        types = types_by_contact(kind.reshape(power.shape).astype(np.float64))
+        types = types_by_contact(kind.reshape(power.shape).astype(np.float64), closed=layout.closed)
         law = [f"{words[p][0]} {text(words[p][1] * a)}" for a, p in kinds.tolist()]
         models = {pair: law[int(number)] for pair, number in types.strength.items()}
         return contact_lines.of_types(law[0], (types, models), "overlap^exponent, both by the bead types", layout)

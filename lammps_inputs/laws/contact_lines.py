@@ -27,7 +27,7 @@ def granular(law: str, unit: float, strength: Parameter, power: str, layout: Bea
     """
     if np.ndim(strength) == 0:
         return of_types(f"{law} {text(unit * float(strength))}", None, power, layout)
-    types = types_by_contact(np.asarray(strength))
+    types = types_by_contact(np.asarray(strength), closed=layout.closed)
     models = {pair: f"{law} {text(unit * a)}" for pair, a in types.strength.items()}
     return of_types(f"{law} {text(unit)}", (types, models), f"{power}, strength by the bead types", layout)
 

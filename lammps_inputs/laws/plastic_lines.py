@@ -29,6 +29,8 @@ def contacts(law: Any, name: str, layout: BeadLayout) -> DeckLines:
         EngineLimitError: more beads than are worth while, or walls that are not at one place for all chains.
     """
     walls, loaded = _walls(layout), bool(np.any(law.load))
+    if layout.closed:
+        raise engine_limits.YIELDING_RINGS.error(name)
     engine_limits.YIELDING_BEADS.check(name, layout.chains * layout.beads)
     if any(len({face for _, face in faces(wall, layout)}) > 1 for wall in walls):
         raise engine_limits.YIELDING_WALLS.error(name)

@@ -82,7 +82,7 @@ def front_speed(system: System) -> float:
     plain = (
         physics.alike(system)
         and not physics.loaded(system)
-        and all(laws.strength(link.law) == 1.0 for link in system.along)
+        and all(laws.strength(link.law) == 1.0 for link in system.contacts)
     )
     return 1.0 if plain else max(1.0, 0.5 * float(np.sqrt(_contacts(system))))
 
@@ -115,7 +115,7 @@ def _contacts(system: System) -> float:
 
 def _of_lightest(system: System, stiffness: Callable[[Law], Any]) -> float:
     """Largest sum of the stiffnesses of a bead's contacts, twice for both, and wall, over its mass."""
-    total = sum(_on_beads(system, link, stiffness(link.law)) for link in (*system.along, *system.walls))
+    total = sum(_on_beads(system, link, stiffness(link.law)) for link in (*system.contacts, *system.walls))
     return float(np.max(total / system.mass))
 
 

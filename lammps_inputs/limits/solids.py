@@ -153,13 +153,14 @@ def overlap_bounds(system: System) -> tuple[float, float]:
     law = system.along[0].law
     at_start = 0.0
     if system.start is not None:
-        at_start = float(np.max(system.along[0].overlap(system.start.displacement[: system.chains]), initial=0.0))
+        x = system.start.displacement[: system.chains]
+        at_start = max(0.0, *(float(np.max(link.overlap(x))) for link in system.contacts))
     if physics.loaded(system):
         rest = law.rest
         return max(at_start, float(np.max(rest))), float(np.max(rest + law.max_strain(physics.energy(system), *law)))
     as_reference = bool(np.all(np.equal(laws.strength(law), 1.0)))
     if not (as_reference and physics.simply_coupled(system) and system.holds(Fact.MOMENTUM)):
-        return at_start, laws.max_strain(law, physics.energy(system))
+        return at_start, max(laws.max_strain(link.law, physics.energy(system)) for link in system.contacts)
     chains, beads, kappa, coupled = system.chains, system.beads, physics.kappa(system), physics.coupled(system)
     velocities = {(chain, bead): velocity for chain, bead, velocity in system.kicks}
     groups: dict[int, list[float]] = {}

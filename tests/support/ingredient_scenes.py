@@ -119,6 +119,24 @@ CASES: dict[str, dict[str, Any]] = {
         "damping": {"beads": 0.1},
     },
     "dashpot at an end, damped contacts": {"walls": {"right": {"damping": 0.2}}, "damping": {"contact": 0.02}},
+    "closed to rings": {"periodic": True},
+    "closed to rings of sizes, damped": {
+        **SIZES,
+        "periodic": True,
+        "gap": {"mean": 0.2, "spread": 0.8},
+        "coupling": None,
+        "damping": {"contact": 0.95, "law": "restitution"},
+        "chains": 1,
+    },
+    "closed to rings, random contacts, resonators": strength(
+        RANDOM, periodic=True, resonators={"mass": 0.3, "stiffness": 0.8}
+    ),
+    "bonded rings, initial states": {
+        "periodic": True,
+        "contact": {"force": "k*s", "k": 0.7, "tension": "allowed"},
+        "initial": STARTS,
+        "kick": None,
+    },
     "dimer": DIMER,
     "dimer of sizes": SIZES,
     "another pattern in each chain": {**DIMER, "pattern": [["heavy", "light"], ["light", "heavy", "heavy"]]},

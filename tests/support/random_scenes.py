@@ -93,7 +93,7 @@ def _draw_more(chance: random.Random, number: int | str) -> Scene:
     if "walls" in more and along.random() < 0.3:
         more["walls"]["right"] = {"damping": 10.0 ** along.uniform(-1.0, 0.5)}
     more |= {"scheme": chance.choice([None, None, "suzuki4"]), "output": output, "kick": kicks}
-    return Scene.model_validate({"name": f"scene-{number}", "chains": chains, "beads": beads, **more})
+    return _scene(number, chains, beads, more)
 
 
 def _draw_lossy(chance: random.Random, number: int | str) -> Scene:
@@ -161,6 +161,17 @@ def _draw_lossy(chance: random.Random, number: int | str) -> Scene:
     if brief.random() < 0.25 and isinstance(more.get("contact", {}).get("exponent", 1.5), float):
         more["mass"] = brief.uniform(0.5, 2.0)
         more["contact"] = {**more.get("contact", {}), "stiffness": brief.uniform(0.5, 2.0)}
+    return _scene(number, chains, beads, more)
+
+
+def _scene(number: int | str, chains: int, beads: int, more: dict[str, Any]) -> Scene:
+    """The scene, of chains with ends or, of some that need none, of rings."""
+    around = _Along(f"around {number}")  # leaves all else as it was drawn
+    ends = more.keys() & {"walls", "precompression", "gravity"} or isinstance(more.get("gap"), list)
+    if beads > 2 and not ends and around.random() < 0.3:
+        more["periodic"] = True
+        if more.get("gap") and around.random() < 0.5:
+            more["gap"] = {"contacts": {str(beads): around.uniform(0.1, 1.0)}}
     return Scene.model_validate({"name": f"scene-{number}", "chains": chains, "beads": beads, **more})
 
 
@@ -226,7 +237,7 @@ def draw_at_start(chance: random.Random, number: int | str) -> Scene:
         more["damping"] = {"contact": 10.0 ** chance.uniform(-3.0, -0.5), "law": "viscoelastic"}
     if chance.random() < 0.3:
         more.setdefault("damping", {})["beads"] = 10.0 ** chance.uniform(-3.0, -0.5)
-    return Scene.model_validate({"name": f"scene-{number}", "chains": chains, "beads": beads, **more})
+    return _scene(number, chains, beads, more)
 
 
 def _initial(chance: random.Random, chains: int, beads: int) -> Any:
@@ -285,7 +296,7 @@ def draw_of_springs(chance: random.Random, number: int | str) -> Scene:
         more["drive"] = {**place, **drive, "frequency": chance.uniform(0.02, 0.3), "phase": -90.0}
     else:
         more["kick"] = {**place, "velocity": chance.choice([1.0, -1.0, 0.3, 3.0])}
-    return Scene.model_validate({"name": f"scene-{number}", "chains": chains, "beads": beads, **more})
+    return _scene(number, chains, beads, more)
 
 
 def _rows(chance: random.Random, beads: int) -> list[int]:

@@ -176,6 +176,17 @@ def beads_of(scene: Scene) -> tuple[Floats, Floats, Floats]:
     return found[0], found[1], found[2]
 
 
+def shape_of_contacts(scene: Scene) -> tuple[int, int]:
+    return scene.chains, scene.beads if scene.periodic else scene.beads - 1
+
+
+def pairs(values: Floats, scene: Scene) -> tuple[Floats, Floats]:
+    """Values of the beads behind and ahead of each contact."""
+    ahead = np.concatenate([values[:, 1:], values[:, :1]], axis=1)
+    count = shape_of_contacts(scene)[1]
+    return values[:, :count], ahead[:, :count]
+
+
 def along(scene: Scene) -> Floats:
     """Factors on the strengths of the contacts by their place, [chain, contact]."""
     return by_contact(_of_contact(scene, "strength"), 1.0, scene)
@@ -183,13 +194,13 @@ def along(scene: Scene) -> Floats:
 
 def by_contact(given: Any, default: float, scene: Scene) -> Floats:
     """A number, a list or a profile, [chain, contact]; a default where there is none."""
-    found = np.ones((scene.chains, scene.beads - 1))
+    found = np.ones(shape_of_contacts(scene))
     if given is None or isinstance(given, float | tuple):
         return found * (default if given is None else given)
     keys = given.model_dump(exclude_none=True)
     if "amplitude" not in keys:
         found *= keys.get("mean", 1.0 if "to" in keys else default)
-    for i in range(1, scene.beads):
+    for i in range(1, 1 + found.shape[1]):
         if "to" in keys:
             first, last = keys["contacts"]
             share = min(max((i - first) / (last - first), 0.0), 1.0)
@@ -205,7 +216,7 @@ def by_contact(given: Any, default: float, scene: Scene) -> Floats:
 
 def gaps(scene: Scene) -> Any:
     """Clear distances of neighbours in the scene's units: a number, or [chain, contact]."""
-    given, found = scene.gap, np.zeros((scene.chains, scene.beads - 1))
+    given, found = scene.gap, np.zeros(shape_of_contacts(scene))
     if isinstance(given, float):
         return given
     if isinstance(given, tuple):
@@ -277,7 +288,8 @@ def _losses(scene: Scene, mass: Floats, strength: Floats) -> tuple[Any, float]:
     if damping.law == "viscoelastic":
         return damping.contact / (unit.force / unit.velocity) * unit.length**0.5, 0.5
     if damping.law == "restitution":
-        reduced = 1.0 / (1.0 / mass[:, 1:] + 1.0 / mass[:, :-1])
+        behind, ahead = pairs(mass, scene)
+        reduced = 1.0 / (1.0 / ahead + 1.0 / behind)
         return _alpha(damping.contact, p) * np.sqrt(reduced * strength), 0.5 * (p - 1.0)
     return damping.contact / (unit.force / unit.velocity), 0.0
 
@@ -429,8 +441,9 @@ def nature(scene: Scene) -> Nature:
     unit, p = units(scene), exponent(scene)
     laws = {key: formula(scene, key) for key in ("contact", "coupling", "foundation")}
     mass, radius, modulus = beads_of(scene)
-    size = 2.0 * radius[:, 1:] * radius[:, :-1] / (radius[:, 1:] + radius[:, :-1])
-    strength = 2.0 / (1.0 / modulus[:, 1:] + 1.0 / modulus[:, :-1]) * np.sqrt(size) * along(scene)
+    (behind, ahead), (soft, softer) = pairs(radius, scene), pairs(modulus, scene)
+    size = 2.0 * ahead * behind / (ahead + behind)
+    strength = 2.0 / (1.0 / softer + 1.0 / soft) * np.sqrt(size) * along(scene)
     powers: float | Floats = p
     if not isinstance(_of_contact(scene, "exponent"), float | None):
         powers = by_contact(scene.contact.exponent, 1.5, scene)
@@ -456,7 +469,7 @@ def nature(scene: Scene) -> Nature:
         k, stiffness, bends = _bedded(scene, there / unit.stiffness)
         ground = (k, c * unit.length**2 / unit.stiffness * there)
     damping, dashpot = scene.damping, unit.force / unit.velocity
-    rest = (load[:, 1:-1] / strength) ** (1.0 / powers)
+    rest = 0.0 * strength if scene.periodic else (load[:, 1:-1] / strength) ** (1.0 / powers)
     quiet = _quiet_ends(scene, mass, powers * strength * rest ** (powers - 1.0))
     own = Nature(
         exponent=powers,
@@ -478,6 +491,7 @@ def nature(scene: Scene) -> Nature:
         start=start,
         stiffness=stiffness,
         bends=bends,
+        closed=bool(scene.periodic),
         formulas={key: law.scaled(unit) for key, law in laws.items() if law is not None},
     )
     own = own if scene.resonators is None else _with_resonators(scene, own)

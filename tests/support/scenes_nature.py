@@ -98,6 +98,7 @@ class Nature:
         pushes, moved: what acts from outside.
         start: velocities at the start.
         displaced: displacements at the start, of the shape of ``mass``.
+        closed: whether chains are rings, whose contacts are [chain, bead], the last that of the last and first bead.
         formulas: force of contacts, springs and ground at a strain, by key, where the scene gives it as a formula.
     """
 
@@ -122,6 +123,7 @@ class Nature:
     stiffness: Any = None
     bends: tuple[float, ...] = ()
     inner: tuple[tuple[int, int, Any, Any], ...] = ()
+    closed: bool = False
     formulas: dict[str, Any] = field(default_factory=dict)
 
     @cached_property
@@ -132,7 +134,11 @@ class Nature:
 
     def overlap(self, x: Floats) -> Floats:
         """Of contacts, negative where beads are apart."""
-        return np.asarray(x[..., :-1] - x[..., 1:] - self.gap + self.rest)
+        return np.asarray(self.closing(x) - self.gap + self.rest)
+
+    def closing(self, x: Floats) -> Floats:
+        """How much farther than the next a bead has moved."""
+        return x - np.roll(x, -1, axis=-1) if self.closed else x[..., :-1] - x[..., 1:]
 
     def contacts(self, x: Floats, v: Floats) -> Floats:
         """Force of contacts, that at rest and the dashpots' included."""
@@ -142,7 +148,7 @@ class Nature:
         push = self.strength * _power(closed, self.exponent)
         coefficient, power = self.loss
         if self._has["loss"]:
-            push = push + np.where(closed > 0.0, coefficient * closed**power * (v[..., :-1] - v[..., 1:]), 0.0)
+            push = push + np.where(closed > 0.0, coefficient * closed**power * self.closing(v), 0.0)
         return np.asarray(np.maximum(push, 0.0) if self.cut else push)
 
     def at_wall(self, wall: Wall, x: Floats, v: Floats) -> Floats:
@@ -178,8 +184,11 @@ class Nature:
     def acceleration(self, time: float, x: Floats, v: Floats) -> Floats:
         force = self.hold - self.drag * v
         along = self.contacts(x, v)
-        force[..., 1:] += along
-        force[..., :-1] -= along
+        if self.closed:
+            force += np.roll(along, 1, axis=-1) - along
+        else:
+            force[..., 1:] += along
+            force[..., :-1] -= along
         for one, other, stiffness, cubic in self.springs:
             apart = x[..., other, :] - x[..., one, :]
             pull = stiffness * apart + (cubic * apart**3 if self._has["cubic"] else 0.0)

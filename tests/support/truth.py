@@ -60,4 +60,4 @@ def force_of(own: Nature, kind: str, chain: int, bead: int) -> Any:
         return lambda x, v: own.at_wall(wall, x, v)[..., chain - 1]
     if kind == "contact":
         return lambda x, v: own.contacts(x, v)[..., chain - 1, bead - 1]
-    return lambda x, v: own.contacts(x, v)[..., chain - 1, bead - 2 : bead].mean(axis=-1)
+    return lambda x, v: own.contacts(x, v)[..., chain - 1, [bead - 2, bead - 1]].mean(axis=-1)

@@ -99,7 +99,7 @@ class CellEnergies:
     )
     chains: tuple[Left | None, ...] = declare("of each chain", undefined="no pulse ran there")
     last_bead: tuple[float | None, ...] = declare(
-        "largest kinetic energy of the last bead of each chain", INPUT, "no pulse came there"
+        "largest kinetic energy of the last bead of each chain", INPUT, "no pulse came there, or the chains are rings"
     )
     replaced: tuple[Split, ...] = declare("of each replaced bead")
 
@@ -177,7 +177,11 @@ class FinalEnergies:
     last_bead: Floats
 
     def at_end(self, survey: Survey, chain: int) -> float | None:
-        """Largest kinetic energy of the last bead on the pulse's path over the energy input; None without a pulse."""
+        """Largest kinetic energy of the last bead on the pulse's path over the energy input; None without a pulse or
+        an end.
+        """
+        if survey.problem.system.closing:
+            return None
         position = along_the_way(survey.problem, survey.waves.bead[survey.waves.chain == chain])
         arrived = survey.problem.beads in position and survey.shared.energy > 0.0
         return float(self.last_bead[chain - 1] / survey.shared.energy) if arrived else None

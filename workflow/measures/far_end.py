@@ -44,7 +44,7 @@ contacts yield, whose states of an instant before are unknown, a forward differe
 """
 
 UNPASSED = "nothing has arrived, or the record ends inside the pulse"
-ACTED_ON = "a push or drive acts on the last tenth of the beads, they fall, or the foundation varies in time"
+ACTED_ON = "chains are rings, a push or drive acts on the last tenth, beads fall, or the foundation varies in time"
 
 
 VALUES = ("wall_force", "wall_force_chain", "delay", "transmitted_energy")
@@ -162,10 +162,10 @@ class FarEndMeter(Meter[_FarFrames, Transmitted]):
 
     @property
     def _acted_on(self) -> bool:
-        """Whether forces from outside act on the last tenth of the beads."""
+        """Whether forces from outside act on the last tenth of the beads, or the first bead, as in a ring."""
         system = self.problem.system
         beads = [load.bead for load in system.loads] + [prescribed.bead for prescribed in system.motions]
-        if system.weights or physics.varying(system):
+        if system.closing or system.weights or physics.varying(system):
             return True
         return any(self._rows.start < bead <= self._rows.stop for bead in beads)
 

@@ -110,3 +110,12 @@ def test_a_binary_dump_is_no_table_and_is_named(tmp_path):
 def test_a_dump_of_another_axis_or_other_atoms_is_refused(columns, atoms, says, tmp_path):
     with pytest.raises(InputError, match=says):
         load_dump(dump(tmp_path, columns, FRAMES), 3, 0.5, deck(atoms=(atoms,)))
+
+
+def test_atoms_that_cross_a_periodic_boundary_go_on(tmp_path):
+    rows = {step: [f"7 {z:g}", "2 4", "5 6"] for step, z in enumerate([1.0, 7.5, 5.0, 2.5, 0.5, 7.0])}
+    path = dump(tmp_path, "id z", rows)
+    path.write_text(path.read_text().replace("ff ff ff", "ff ff pp"))
+    found = load_dump(path, beads=3, timestep=0.5, deck=deck())
+    assert found.displacement[:, 0, 0].tolist() == [0.0, -1.5, -4.0, -6.5, -8.5, -10.0]
+    assert not np.any(found.displacement[:, 0, 1:])

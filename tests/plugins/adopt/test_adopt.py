@@ -124,8 +124,23 @@ GAPPED = {
 }
 
 
+RING = {
+    "name": "ring",
+    "chains": 2,
+    "beads": 7,
+    "periodic": True,
+    "gap": [0.3, 0.1, 0.0, 0.5, 0.2, 0.0, 0.4],
+    "kinds": {"heavy": {"mass": 2.0}},
+    "replace": {"bead": 5, "kind": "heavy"},
+    "coupling": {"stiffness": 0.2},
+    "kick": {"bead": 3, "velocity": 1},
+    "duration": 25,
+    "timestep": 0.01,
+}
+
+
 @pytest.mark.usefixtures("here")
-@pytest.mark.parametrize("data", [SPRINGS, LOADED, GAPPED], ids=["springs", "loaded", "gapped"])
+@pytest.mark.parametrize("data", [SPRINGS, LOADED, GAPPED, RING], ids=["springs", "loaded", "gapped", "ring"])
 def test_a_scene_comes_back_from_its_deck(data: dict[str, Any], tmp_path: Path) -> None:
     scene = library.from_plain(data, "test")
     read = of_scene(scene, tmp_path / "deck")
@@ -181,7 +196,7 @@ def test_nothing_is_written_beside_the_deck(column: tuple[Path, Adopted]) -> Non
     [
         ("in.three-grains", {8: "not on straight lines", 9: "not on straight lines", 10: "not on straight lines"}),
         ("in.pour", {11: "jkr", 17: "no such fix"}),
-        ("in.beam", {14: "no such fix", 18: "is no command", 19: "is no command", 31: "a prescribed motion"}),
+        ("in.beam", {14: "no such fix", 18: "is no command", 19: "is no command"}),
         ("in.flop", {22: "no such springs", 24: "is no command", 25: "is no command"}),
     ],
 )
@@ -222,13 +237,15 @@ WALL = "fix w all wall/gran granular hertz 100 0 tangential linear_history 0 0 0
     ("lines", "message"),
     [
         ("", "has no `run`"),
-        ("fix weight all gravity 1 vector 1 0 0\nrun 10", "not in equilibrium"),
+        ("group one id 1\nfix push one addforce 1 0 0\nrun 10", "no equilibrium was found near it"),
         ("fix weight all gravity 1 vector 0 0 -1\nrun 10", "a force across the chain"),
         ("set atom 2 vy 0.1\nrun 10", "velocities across"),
         ("set atom 1 vx 0\nrun 10", "no bead moves"),
-        (f"set atom 3 x 2.5\n{WALL}\nrun 10", "clear distances between beads differ"),
+        (f"fix s all spring/self 1e-3\n{WALL}.05\nrun 9000", "in.chain:19: fix w all wall/gran"),
         ("variable f equal sin(step)\nfix push all addforce v_f 0 0\nrun 10", "depends on the time"),
-        ("run 10\nset atom 1 vx 1\nrun 10", "comes after the first run"),
+        ("fix p all move linear 0.1 0 0\nrun 10", "no bead moves freely"),
+        ("group one id 1\nfix p one move linear 0.1 0.1 0\nrun 10", "moved across its chain"),
+        ("fix p all move rotate 0 0 0 0 0 1 5\nrun 10", "supported: move linear, move wiggle, move variable"),
         ("variable f atom x^2\nfix push all addforce v_f 0 0\nrun 10", "in.chain:19: fix push"),
         ("read_data absent.data add append\nrun 10", "absent.data"),
         ("pair_coef * *\nrun 10", "in.chain:18: pair_coef"),
@@ -301,7 +318,7 @@ def test_a_measured_number_is_the_short_one_within_rounding(value: float, short:
     assert tidy(value) == short
 
 
-FORCES_IN_TIME = {"drive-above-the-cut-off", "driven-chain", "half-sine-push", "hammer-from-a-file", "landau-zener"}
+FORCES_IN_TIME = {"half-sine-push", "hammer-from-a-file", "landau-zener"}
 OTHER_CONTACTS = {"magnets", "plastic-contacts"}
 ALIKE = {"one-chain", "other-exponent", "three-chains", "two-chains-strong", "two-chains-gapped-strong"}
 """Scenes with nothing that another has not."""

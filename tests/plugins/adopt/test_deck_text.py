@@ -32,7 +32,7 @@ def test_quoted_text_is_one_word() -> None:
         "fix 1 all nvt temp 1 1 1",
         "fix 1 all ${style}",
         "run_style respa 2 2 bond 1",
-        "minimize 0 0 1 1",
+        "fix 1 all move rotate 0 0 0 0 0 1 5",
         "python f input 1 source x",
         "variable f python g",
         "run 10 every 5 'print 1'",
@@ -71,16 +71,14 @@ def test_what_a_chain_needs_is_not_refused(command: str) -> None:
 
 def test_the_copy_marks_every_command_and_lacks_those_that_write(tmp_path: Path) -> None:
     deck = tmp_path / "in.chain"
-    deck.write_text(
-        "units lj\ndump 1 all custom ${n} f x\nshell rm -rf .\nminimize 0 0 1 1\ninclude more\nrun 5\nrun 0\n"
-    )
+    deck.write_text("units lj\ndump 1 all custom ${n} f x\nshell rm -rf .\nrerun dump x\ninclude more\nrun 5\nrun 0\n")
     (tmp_path / "more").write_text("write_data out\ntimestep 0.1\n")
     copies = tmp_path / "copies"
     copies.mkdir()
     text = Deck(deck).write(copies, tmp_path / "run.lammps").read_text()
     more = (copies / "1.lammps").read_text()
     assert [text.count(f'"{MARK} {number}"') + more.count(f'"{MARK} {number}"') for number in range(9)] == [1] * 9
-    for absent in ("shell", "minimize", "write_data", "\ndump"):
+    for absent in ("shell", "rerun", "write_data", "\ndump"):
         assert absent not in text + more
     assert f"include {copies / '1.lammps'}\n" in text
     assert f"include {tmp_path / 'run.lammps'}\n" in text

@@ -190,7 +190,8 @@ def fault(
         return f"a bead's position or velocity is no longer a finite number; {_remedy(problem)}"
     overlap = motion.overlaps(system, displacement[: problem.chains], first)
     worst = np.unravel_index(np.argmax(overlap), overlap.shape)
-    where = f"beads {worst[1] + first} and {worst[1] + first + 1} of chain {worst[0] + 1}"
+    bead = int(worst[1]) + first
+    where = f"beads {bead} and {bead % problem.beads + 1} of chain {worst[0] + 1}"
     if overlap[worst] >= problem.layout.diameter:
         return f"{where} have passed through each other; {_remedy(problem)}"
     if overlap[worst] >= problem.layout.diameter / 2.0:

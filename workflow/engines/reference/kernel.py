@@ -346,7 +346,7 @@ class _Writer:
         """Texts for the places of the functions that take steps."""
         kind, as_lammps = self._terms.dashpots, self._terms.as_lammps
         press = self._lines(
-            template.PRESS, contact=self._contact_force(), walls=self._of_walls(self._terms.walls, "push", "force")
+            template.PRESS, contact=self._contact_force(), walls=self._of_walls(self._terms.at_ends, "push", "force")
         )
         kick = self._kick("v", "factor")
         if kind == "half step":
@@ -389,12 +389,12 @@ class _Writer:
         return " + (".join(calls) + ")" * (len(calls) - 1)
 
     def _at_end(self, term: Term, *lines: str) -> list[str]:
-        """A loop over the beads that meet a wall, those in the rows that can move."""
+        """A loop over the beads at an end, those in the rows that can move."""
         begin, end = self._beads_of(term)
         return [f"for k in range({begin}, {end}):", *(f"    {line}" for line in lines)]
 
     def _beads_of(self, term: Term) -> tuple[str, str]:
-        """First place of the loop over the beads of contacts or of a wall, and the place behind the last."""
+        """First place of the loop over the beads of contacts or at an end, and the place behind the last."""
         row = self._terms.row
         if not term.row:
             return f"low + {row}", "high"
@@ -405,15 +405,15 @@ class _Writer:
         lines = []
         for term in terms:
             call = self._call(replace(term, sign=""), function, term.strain, *([term.rate] * rate))
-            lines += self._at_end(term, f"{array}{term.place} = {call}")
+            lines += self._at_end(term, f"{_places(array, term)} = {call}")
         return lines
 
     def _of_states(self, section: str) -> list[str]:
         """A section for each law of contacts or walls with a state, with the velocities that it reads."""
-        terms, row, lines = self._terms, self._terms.row, []
+        terms, lines = self._terms, []
         moving = "actual" if terms.dashpots == "drift" else "v"
         for term in (replace(term, v=moving) for term in terms.with_state):
-            behind = "" if term.row else terms.per_mass_at(f"k - {row}")
+            behind = terms.per_mass_at(term.behind)
             begin, end = self._beads_of(term)
             lines += self._lines(
                 section,
@@ -429,7 +429,9 @@ class _Writer:
                 more=self._force_with(term, "largest"),
                 less=self._force_with(term, "before"),
                 sign=f"-{term.sign} * " if term.sign else "",
-                behind=[] if term.row else [f"v[k - {row}] -= given{behind}", f"x[k - {row}] -= gone{behind}"],
+                behind=[f"v[{term.behind}] -= given{behind}", f"x[{term.behind}] -= gone{behind}"]
+                if term.behind
+                else [],
             )
         if terms.with_state and moving == "actual":
             return self._lines(template.VELOCITIES) + lines
@@ -469,11 +471,11 @@ class _Writer:
                     stiffness.append(f"    {slope} = {call}")
                     others += f" - {slope} * ({term.rate})"
         before = ["for k in range(low, high):", *stiffness] if stiffness else []
-        pulls = [line for term in self._terms.walls for line in self._at_end(term, self._pull(term))]
+        pulls = [line for term in self._terms.at_ends for line in self._at_end(term, self._pull(term))]
         return self._lines(
             template.TANGENT_KICK,
             contact_slope=contacts,
-            wall_slopes=self._of_walls(self._terms.walls, "slopes", "stiffness"),
+            wall_slopes=self._of_walls(self._terms.at_ends, "slopes", "stiffness"),
             wall_pulls=pulls,
             stiffness=before,
             loops=loops,
@@ -482,8 +484,8 @@ class _Writer:
 
     @staticmethod
     def _pull(term: Term) -> str:
-        """Source of the change of a wall's force along a vector."""
-        return f"pulls{term.place} = slopes{term.place} * ({replace(term, v='dx_n').rate})"
+        """Source of the change of a force at an end along a vector."""
+        return f"{_places('pulls', term)} = slopes{term.place[0]} * ({replace(term, v='dx_n').rate})"
 
     def _tangent_drift(self) -> list[str]:
         damped = self._terms.dashpots == "drift"
@@ -494,7 +496,7 @@ class _Writer:
     def _shifted_functions(self) -> list[str]:
         """Functions that add effects of shifted parameters, which are entries of arrays."""
         loops, others = self._other_forces()
-        walls = self._of_walls(self._terms.walls, "pulls", "force")
+        walls = self._of_walls(self._terms.at_ends, "pulls", "force")
         forces: dict[str, str | list[str]] = {
             "contact": self._contact_force(),
             "walls": walls,
@@ -606,7 +608,7 @@ class _Writer:
             more, total = self._sum(terms, function, rate=rate)
             loops += more
             held += [f"({total})"] if total else []
-        walls = self._of_walls(self._terms.wall_dampers, "squeeze", function, rate=rate)
+        walls = self._of_walls(self._terms.dampers_at_ends, "squeeze", function, rate=rate)
         drag = f"squeeze[k] - squeeze[k + {self._terms.row}]" if contact else "0.0"
         return self._filled(
             template.DRAG,
@@ -655,6 +657,11 @@ OF_WALLS = 3
 """Number of the dashpots of walls among the kinds of dashpots whose losses are counted."""
 
 _OVER_THE_WAY = "over_the_way(early[k], total[k], actual[k], half - since, until - half)"
+
+
+def _places(array: str, term: Term) -> str:
+    """Entries of an array that are the force at an end, as targets of an assignment."""
+    return " = ".join(f"{array}{place}" for place in term.place)
 
 
 def _filled(text: str, **places: str | list[str] | bool) -> str:

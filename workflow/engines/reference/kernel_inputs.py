@@ -45,8 +45,9 @@ class Term:
         over: array that the term is a loop over: distances to other beads, or the places of a law in time.
         sums: scratch array of three sums over distances, [sum, place].
         state_at: index of a contact's state in arrays of states, in brackets; empty of a law without one.
-        row: of a wall, that of its bead; empty of others.
-        place: of a wall, index in brackets of its force among those of the contacts; empty of others.
+        row: of a wall, that of its bead, of the contact that closes a ring that of the first; empty of others.
+        place: of these, indices in brackets of its force among those of the contacts; empty of others.
+        behind: place of the bead behind a contact; empty of others.
         sign: source of a factor of what the law gives; empty of 1.
         time: source of the time, on which the law depends; empty of one that does not.
         x, v: names of the arrays of displacements and velocities that it reads.
@@ -60,7 +61,8 @@ class Term:
     sums: str = ""
     state_at: str = ""
     row: str = ""
-    place: str = ""
+    place: tuple[str, ...] = ()
+    behind: str = ""
     sign: str = ""
     time: str = ""
     x: str = "x"
@@ -86,9 +88,9 @@ class Terms:
     """All terms of a system; `names` are those of the parameters, in order, of which ``row`` is the length of a row.
 
     Attributes:
-        contacts, across, ground, walls: laws of force.
+        contacts, across, ground, walls, closing: laws of force.
         dampers: laws of damping along, across and to the ground.
-        wall_dampers: those of walls.
+        wall_dampers, closing_dampers: those of walls, and of contacts that close rings.
         loads, motions: laws in time, of forces on beads and of the motion of beads whose motion is given.
         moved: array of the places of these beads; empty where there is none.
         inverse_mass: name of one over the masses; empty where all are 1.
@@ -105,8 +107,10 @@ class Terms:
     across: tuple[Term, ...]
     ground: tuple[Term, ...]
     walls: tuple[Term, ...]
+    closing: tuple[Term, ...]
     dampers: tuple[tuple[Term, ...], ...]
     wall_dampers: tuple[Term, ...]
+    closing_dampers: tuple[Term, ...]
     loads: tuple[Term, ...]
     motions: tuple[Term, ...]
     moved: str
@@ -129,7 +133,17 @@ class Terms:
     @property
     def with_state(self) -> tuple[Term, ...]:
         """Contacts and walls whose force depends on a state."""
-        return tuple(term for term in (*self.contacts, *self.walls) if term.state_at)
+        return tuple(term for term in (*self.contacts, *self.at_ends) if term.state_at)
+
+    @property
+    def at_ends(self) -> tuple[Term, ...]:
+        """Walls, and contacts that close rings."""
+        return (*self.walls, *self.closing)
+
+    @property
+    def dampers_at_ends(self) -> tuple[Term, ...]:
+        """Dashpots of walls, and of contacts that close rings."""
+        return (*self.wall_dampers, *self.closing_dampers)
 
     def per_mass_at(self, place: str) -> str:
         """Source of what makes a force at a place an acceleration; empty where all masses are 1."""
@@ -157,15 +171,20 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
     bends = np.unique(np.concatenate([*varying, *(law.leaps for each in system.motions for law in each.laws), []]))
     inverse = _inverse_mass(system, step if as_lammps and physics.velocity_at_full_steps(system) else 0.0)
     terms = Terms(
-        contacts=tuple(taken.term(link.law, *between, first=2, state_at="[k]") for link in system.along),
+        contacts=tuple(
+            replace(taken.term(link.law, *between, first=2, state_at="[k]"), behind=f"k - {row}")
+            for link in system.along
+        ),
         across=taken.terms(system.across),
         ground=taken.terms((*system.ground, *system.weights)),
         walls=taken.terms(system.walls),
+        closing=taken.terms(system.closing),
         dampers=(
             tuple(taken.term(link.law, *between, first=2) for link in dampers["along"]),
             *(taken.terms(dampers[kind]) for kind in ("across", "ground")),
         ),
         wall_dampers=taken.terms(dampers["wall"]),
+        closing_dampers=taken.terms(dampers["closing"]),
         loads=taken.acting([(load.chain, load.bead, load.law) for load in system.loads]),
         motions=taken.acting([(each.chain, each.bead, law) for each in system.motions for law in each.laws]),
         moved=taken.places([(each.chain, each.bead) for each in system.motions]) if system.motions else "",
@@ -195,11 +214,11 @@ class _Parameters:
         self.values.append(value)
         return self.names[-1]
 
-    def gap_of(self, contacts: Links) -> str:
-        """Add the gaps of contacts; the source of that of the beads k and before."""
+    def gap_of(self, contacts: Links, first: int = 2) -> str:
+        """Add the gaps of contacts, that of the first in a row; the source of that of the beads k and before."""
         if not isinstance(contacts.gap, np.ndarray):
             return self.add("gap", contacts.gap)
-        return f"{self.add('gap', self._laid(contacts.gap, 2))}[k]"
+        return f"{self.add('gap', self._laid(contacts.gap, first))}[k]"
 
     def term(self, law: Any, strain: str, rate: str, *, first: int, state_at: str = "") -> Term:
         """A law on links of which that of the first bead is in row ``first``, and its state, if it has one, there."""
@@ -228,11 +247,22 @@ class _Parameters:
                 at = f"[k + {self.names[0]}]" if link.side > 0.0 else "[k]"
                 end = self._system.beads if link.side > 0.0 else 1
                 term = self.term(link.law, f"{side} * {{x}}[k] - {gap}", f"{side} * {{v}}[k]", first=end, state_at=at)
-                terms.append(replace(term, sign=side, row=self.add("end", np.uint64(end)), place=at))
+                terms.append(replace(term, sign=side, row=self.add("end", np.uint64(end)), place=(at,)))
+            elif link.kind == "closing":
+                terms.append(self._closing(link))
             else:
                 term = self.term(link.law, "{x}[k]", "{v}[k]", first=1)
                 terms.append(replace(term, time="time" * link.law.varies))
         return tuple(terms)
+
+    def _closing(self, link: Links) -> Term:
+        """Contact of the first bead with the last, which is behind it; its force is also that ahead of the last."""
+        back = self.add("back", np.uint64((self._system.beads - 1) * self._lines))
+        ahead, gap = f"[k + {back} + {self.names[0]}]", self.gap_of(link, 1)
+        strain = f"{{x}}[k + {back}] - {{x}}[k] - {gap}", f"{{v}}[k + {back}] - {{v}}[k]"
+        term = self.term(link.law, *strain, first=1, state_at=ahead)
+        first = self.add("end", np.uint64(1))
+        return replace(term, row=first, place=("[k]", ahead), behind=f"k + {back}")
 
     def acting(self, acting: Sequence[tuple[int, int, TimeLaw]]) -> tuple[Term, ...]:
         """Laws in time of beads (chain, bead); one term for those that follow each other and are of one kind."""

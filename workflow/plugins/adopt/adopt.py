@@ -1,9 +1,10 @@
 """From a user's deck to a scene: executed, measured, written down, and run beside the deck."""
 
 import re
-from dataclasses import dataclass
+import shutil
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +13,12 @@ from granchain import InputError, RunError, Scene
 from granchain.parts import BinaryDump, file_names, library, scene_files
 from workflow.plugins.adopt import differences, evaluate
 from workflow.plugins.adopt.chains import TIME, Measured, NotMeasuredError
-from workflow.plugins.adopt.deck_text import FIXES_WITHOUT_EFFECT, WITHOUT_EFFECT, Command, Deck, words_of
+from workflow.plugins.adopt.deck_text import FIXES_WITHOUT_EFFECT, WITHOUT_EFFECT, Command, Deck, damped_wall, words_of
 from workflow.plugins.adopt.evaluate import Executed, Workplace
+from workflow.plugins.adopt.measure import START
+from workflow.plugins.adopt.motions import RECORDED, GivenMotion
 from workflow.plugins.adopt.scene_of import SceneKeys
+from workflow.plugins.adopt.walls_at_gap import with_other_walls
 
 BEAD_STEPS = 10_000_000
 """Length of the run beside the deck: some seconds of each."""
@@ -82,17 +86,94 @@ def adopt(path: Path, data: Path | None, variables: list[tuple[str, str]], secon
     with Workplace(deck, data, variables, seconds).opened() as workplace:
         executed = workplace.execute("through", "run 0 post no\n")
         refuse(executed, path)
-        steps = _steps(executed, path)
-        evaluate.refuse_error(workplace.execute("measure", f"{evaluate.STOP}\n"), path)
+        first = _first_run(executed)
+        steps = _steps(executed, path, first)
         try:
-            scene, keys = _scene_of(evaluate.measured(workplace, "measure"), executed, path, steps)
+            measured = _measured(workplace, executed, path, first, steps)
+            scene, keys, compared, difference = _nearest(workplace, measured, executed, path, first, steps)
         except NotMeasuredError as error:
             raise RefusedDeckError(_at_lines(error, executed, path)) from None
-        compared, difference = _beside(workplace, scene, keys.measured, steps)
     if not difference <= AGREE + drag_error(scene):
         _refuse_other_motion(keys.measured, scene, executed, path, f"over {compared} steps by {difference:.2g} V")
-    notes = [*keys.notes, *differences.unreached(keys.measured), *_notes(executed)]
+    notes = [*keys.notes, *differences.unreached(keys.measured), *_of_run(executed, first), *_notes(executed)]
     return Adopted(scene, "xyz"[keys.measured.axis], notes, compared, steps, difference)
+
+
+def _measured(workplace: Workplace, executed: Executed, path: Path, first: int, steps: int) -> Measured:
+    """What LAMMPS says of the beads at the run with which the scene begins, and of their given motions.
+
+    Raises:
+        NotMeasuredError: no scene is like it.
+        InputError: LAMMPS does not execute the deck.
+    """
+    moves = " ".join(
+        " ".join(words_of(command.text)[1:3]) for command in executed.commands if command.style == "fix move"
+    )
+    relaxed = first > 0 or any(command.style == "minimize" for command in executed.commands[: executed.runs[first][0]])
+    names = f'variable {START} string "{relaxed:d} {moves}"\n'
+    evaluate.refuse_error(workplace.execute("measure", f"{names}{evaluate.STOP}\n", first), path)
+    measured: Measured | NotMeasuredError = evaluate.measured(workplace, "measure")
+    if isinstance(measured, NotMeasuredError):
+        raise measured
+    if not np.any(measured.driven):
+        return measured
+    return _with_motions(workplace, measured, executed, first, steps)
+
+
+def _with_motions(workplace: Workplace, measured: Measured, executed: Executed, first: int, steps: int) -> Measured:
+    """Record the motions of driven beads, in a run without the others; those that do not move are held.
+
+    The record is longer than the run, as a bead with a table is at rest behind its last point.
+    """
+    driven = np.argwhere(measured.driven)
+    ids = measured.ids[measured.driven]
+    every = max(1, steps // RECORDED)
+    frames = workplace.folder / "motions.bin"
+    bonds = " bond yes" if any("bond" in words_of(c.text) for c in executed.commands if c.style == "atom_style") else ""
+    run = (
+        f"group granchain_driven id {' '.join(map(str, ids))}\n"
+        "group granchain_others subtract all granchain_driven\n"
+        f"delete_atoms group granchain_others{bonds}\nneighbor {np.min(measured.radius):.6g} nsq\n"
+        f"{_dumped('granchain_driven', frames, 'id x y z', measured.first_step, every, steps + every)}quit 0\n"
+    )
+    recorded = workplace.execute("motions", run, first)
+    if recorded.error:
+        raise InputError(f"{recorded.commands[-1].place}: {evaluate.explained(recorded.error)}")
+    places = BinaryDump(frames).read(columns=("x", "y", "z"))
+    if np.any(np.ptp(np.delete(places, measured.axis, axis=1), axis=0)):
+        raise NotMeasuredError("a bead is moved across its chain; supported: motions along it", "fix move")
+    moved = places[:, measured.axis]
+    time = measured.timestep * every * np.arange(len(moved))
+    motions, held = {}, measured.held.copy()
+    for (chain, bead), atom in zip(driven.tolist(), ids.tolist(), strict=True):
+        path_of_bead = moved[:, int(np.searchsorted(np.sort(ids), atom))]
+        motion = GivenMotion(time, np.asarray(path_of_bead - path_of_bead[0], dtype=np.float64))
+        if motion.none:
+            held[chain, bead] = True
+        else:
+            motions[chain, bead] = motion
+    return replace(measured, held=held, driven=measured.driven & ~held, motions=motions)
+
+
+def _nearest(
+    workplace: Workplace, measured: Measured, executed: Executed, path: Path, first: int, steps: int
+) -> tuple[Scene, SceneKeys, int, float]:
+    """The scene, its keys, the steps of a run of both decks, and the largest difference of velocities in V.
+
+    Walls that stand elsewhere than the next bead would are part of the scene only if a bead reaches them.
+    """
+    try:
+        scene, keys = _scene_of(measured, executed, path, steps)
+        compared, difference = _beside(workplace, scene, keys.measured, steps, first)
+        if difference <= AGREE + drag_error(scene) or not measured.other_walls:
+            return scene, keys, compared, difference
+    except InputError:
+        if not measured.other_walls:
+            raise
+    for name in ("scene", "beside"):
+        shutil.rmtree(workplace.folder / name, ignore_errors=True)
+    scene, keys = _scene_of(with_other_walls(measured), executed, path, steps)
+    return scene, keys, *_beside(workplace, scene, keys.measured, steps, first)
 
 
 def _refuse_other_motion(measured: Measured, scene: Scene, executed: Executed, path: Path, apart: str) -> NoReturn:
@@ -128,16 +209,19 @@ def refuse(executed: Executed, path: Path) -> None:
         refused += [f"{command.place}: {command.refusal}" for command in unread if command.refusal]
         raise RefusedDeckError(list(dict.fromkeys(refused)))
     evaluate.refuse_error(executed, path)
-    if executed.runs:
-        (first, _), (last, _) = executed.runs[0], executed.runs[-1]
-        later = [command for command in executed.commands[first + 1 : last] if _moves(command)]
-        if later:
-            why = (
-                "comes after the first run, and a scene has one motion, from equilibrium on: for a chain that relaxes "
-                "and is then kicked, write `gravity` or `precompression`, and `kick`, into a scene of your own; "
-                "supported: further `run`"
-            )
-            raise RefusedDeckError(list(dict.fromkeys(f"{command.place}: {why}" for command in later)))
+
+
+def _first_run(executed: Executed) -> int:
+    """Number, from 0, of the run with which the scene begins: the first one after which nothing changes motions."""
+    places = [place for place, _ in executed.runs]
+    return next(
+        (
+            number
+            for number, place in enumerate(places)
+            if not any(_moves(command) for command in executed.commands[place + 1 : places[-1]])
+        ),
+        0,
+    )
 
 
 def _moves(command: Command) -> bool:
@@ -147,17 +231,26 @@ def _moves(command: Command) -> bool:
     )
 
 
-def _steps(executed: Executed, path: Path) -> int:
-    steps = sum(count for _, count in executed.runs)
+def _steps(executed: Executed, path: Path, first: int) -> int:
+    steps = sum(count for _, count in executed.runs[first:])
     if steps < 1:
         raise InputError(f"{path}: has no `run` of at least one step")
     return steps
 
 
-def _scene_of(measured: Any, executed: Executed, path: Path, steps: int) -> tuple[Scene, SceneKeys]:
+def _of_run(executed: Executed, first: int) -> list[str]:
+    """Note on the run with which the scene begins, where it is not the first."""
+    if not first:
+        return []
+    place, _ = executed.runs[first]
+    return [
+        f"{executed.commands[place].place}: the scene begins with run {first + 1}, from the state in which the runs "
+        "before leave the beads (key `initial`); a scene of those, and `initial: {run: DIRECTORY}` in one of these, are two"
+    ]
+
+
+def _scene_of(measured: Measured, executed: Executed, path: Path, steps: int) -> tuple[Scene, SceneKeys]:
     """Scene in the deck's units, or in reduced ones if its beads are of no solid."""
-    if isinstance(measured, NotMeasuredError):
-        raise measured
     name = re.sub(r"[^A-Za-z0-9._-]", "-", path.name.removeprefix("in.")).strip(".-_")[:64] or "adopted"
     every = min(executed.every) if executed.every else None
     units = [words_of(command.text)[1] for command in executed.commands if command.style == "units"]
@@ -235,14 +328,28 @@ def _notes(executed: Executed) -> list[str]:
     for command in executed.commands:
         if command.style in ("dump", "shell", "write_data", "write_restart", "restart"):
             skipped.setdefault(command.place)
+    walls = (command.place for command in executed.commands if damped_wall(words_of(command.text)))
+    without = "executed with gamma_n = 1e-30, as LAMMPS divides by gamma_n"
     frames = "; frames are those of `output.every`"
-    return [f"{place}: not executed" + frames * (" dump" in place) for place in skipped]
+    return [
+        *(f"{place}: {without}" for place in walls),
+        *(f"{place}: not executed" + frames * (" dump" in place) for place in skipped),
+    ]
 
 
 # --- the scene's deck beside the user's -------------------------------------------------------------------------------
 
 
-def _beside(workplace: Workplace, scene: Scene, measured: Measured, steps: int) -> tuple[int, float]:
+def _dumped(group: str, frames: Path, columns: str, first: int, every: int, steps: int) -> str:
+    """LAMMPS commands that run and write frames from the first step on, whatever its number."""
+    return (
+        f"variable granchain_frame equal stride({first},{first + steps + 2 * every},{every})\n"
+        f"dump granchain_frames {group} custom 1 {frames} {columns}\n"
+        f"dump_modify granchain_frames every v_granchain_frame first yes\nrun {steps} post no\n"
+    )
+
+
+def _beside(workplace: Workplace, scene: Scene, measured: Measured, steps: int, first: int) -> tuple[int, float]:
     """Steps of a run of both decks, and the largest difference of velocities in V."""
     problem = scene.problem()
     compared = int(min(steps, max(100, BEAD_STEPS // measured.mass.size)))
@@ -250,12 +357,8 @@ def _beside(workplace: Workplace, scene: Scene, measured: Measured, steps: int) 
     compared -= compared % every
     axis = "xyz"[measured.axis]
     frames = workplace.folder / "user.bin"
-    executed = workplace.execute(
-        "beside",
-        "reset_timestep 0\n"  # dumps write at multiples of their interval
-        f"dump granchain_frames all custom {every} {frames} id v{axis}\n"
-        f"dump_modify granchain_frames first yes\nrun {compared} post no\nquit 0\n",
-    )
+    run = _dumped("all", frames, f"id v{axis}", measured.first_step, every, compared)
+    executed = workplace.execute("beside", f"{run}quit 0\n", first)
     if executed.error:
         raise InputError(f"{executed.commands[-1].place}: {evaluate.explained(executed.error)}")
     folder = workplace.folder / "scene"
@@ -269,7 +372,9 @@ def _beside(workplace: Workplace, scene: Scene, measured: Measured, steps: int) 
     index = np.searchsorted(_ids(frames), np.ravel(measured.ids))
     beads = ours[-(compared // every) - 1 :, : problem.chains * problem.beads]
     theirs = measured.direction * user[-(compared // every) - 1 :, index] / scene.scale.velocity
-    return compared, float(np.max(np.abs(beads - theirs)))
+    apart = np.abs(beads - theirs)
+    apart[0, np.ravel(measured.driven)] = 0.0  # `fix move` gives velocities from the first step on
+    return compared, float(np.max(apart))
 
 
 def _velocities(path: Path, column: str) -> NDArray[np.float64]:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from workflow.plugins.adopt.motions import GivenMotion
 from workflow.plugins.adopt.wall_laws import WallLaw
 
 Floats = NDArray[np.float64]
@@ -63,7 +64,7 @@ class ForceProbe:
         pattern: "pairs" of beads that are pressed together, "chain" that is moved, or "left" or "right" wall.
         displacement: [chain, bead].
         velocity: [chain, bead].
-        force: forces beyond those at the start, [chain, bead].
+        force: forces beyond those without displacement, [chain, bead].
     """
 
     pattern: str
@@ -98,12 +99,14 @@ class Measured:
     Attributes:
         axis: axis along which the chains lie, 0 to 2.
         ids: numbers of the atoms, [chain, bead].
-        place: positions at the start, [chain, bead].
+        place: positions from which displacements are counted, [chain, bead].
+        displacement: displacements from there at the start, [chain, bead].
         velocity: velocities at the start, [chain, bead].
         mass: masses, [chain, bead].
         radius: radii, [chain, bead].
         held: whether a bead never moves, [chain, bead].
-        overlap: overlaps of the contacts at the start, negative where beads are apart, [chain, contact].
+        driven: whether LAMMPS moves a bead whatever acts on it, [chain, bead].
+        overlap: overlaps of the contacts at `place`, negative where beads are apart, [chain, contact].
         strength: constants A of the contacts, [chain, contact].
         exponent: exponent p of all contacts.
         dashpot: ratio of dashpot force and approach velocity at the overlaps `dashpot_overlap`, [2, chain, contact].
@@ -116,20 +119,28 @@ class Measured:
         wall_dashpot: "left" or "right" -> ratio of dashpot force and velocity, [2, chain], at `dashpot_overlap`.
         other_walls: walls that stand elsewhere than the next bead would, or have another law than the contacts.
         inner: atoms inside the beads.
+        acceleration: acceleration of all beads at `place`, that of their fall.
         timestep: time step.
         probes: forces by which a scene is compared with the deck.
         first_step: number of the step at the start.
+        relaxed: whether earlier runs, or a minimisation, left the beads as they are at the start.
         direction: 1 where beads are counted along the axis, -1 where against it.
+        around: overlap of the last with the first bead of rings, [chain]; None of chains with ends.
         wall_atoms: "left" or "right" -> numbers of the held atoms that are the wall, [chain].
+        motions: chain and bead, from 0 -> motion of a driven bead.
+        clearance: "left" or "right" -> distance of the last beads from a wall that stands elsewhere than the next bead
+            would, [chain].
     """
 
     axis: int
     ids: Integers
     place: Floats
+    displacement: Floats
     velocity: Floats
     mass: Floats
     radius: Floats
     held: NDArray[np.bool_]
+    driven: NDArray[np.bool_]
     overlap: Floats
     strength: Floats
     exponent: float
@@ -143,11 +154,16 @@ class Measured:
     wall_dashpot: dict[str, Floats]
     other_walls: list[WallLaw]
     inner: list[Inner]
+    acceleration: float
     timestep: float
     probes: list[ForceProbe] = field(default_factory=list)
     first_step: int = 0
+    relaxed: bool = False
     direction: float = 1.0
+    around: Floats | None = None
     wall_atoms: dict[str, Integers] = field(default_factory=dict)
+    motions: dict[tuple[int, int], GivenMotion] = field(default_factory=dict)
+    clearance: dict[str, Floats] = field(default_factory=dict)
 
     @property
     def rounding(self) -> float:
@@ -155,8 +171,13 @@ class Measured:
         return 8.0 * float(np.finfo(float).eps * np.max(np.abs(self.place)))
 
     @property
+    def overlaps(self) -> Floats:
+        """Overlaps of the contacts, those through which rings close included, [chain, contact]."""
+        return self.overlap if self.around is None else np.column_stack([self.overlap, self.around])
+
+    @property
     def load(self) -> Floats:
-        """Forces of the contacts at the start, [chain, contact]."""
+        """Forces of the contacts at `place`, [chain, contact]."""
         return np.asarray(self.strength * np.maximum(self.overlap, 0.0) ** self.exponent)
 
     def reversed(self) -> "Measured":
@@ -168,21 +189,13 @@ class Measured:
         other_walls = [replace(wall, side=other[wall.side]) for wall in self.other_walls]
         inner = [part.taken(slice(None, None, -1)) for part in self.inner]
         coupling = {chains: table[:, ::-1] for chains, table in self.coupling.items()}
-        names = (
-            "ids",
-            "place",
-            "velocity",
-            "mass",
-            "radius",
-            "held",
-            "overlap",
-            "strength",
-            "dashpot",
-            "dashpot_overlap",
-        )
-        along = {name: getattr(self, name)[..., ::-1] for name in (*names, "foundation", "drag")}
-        along |= {"place": -along["place"], "velocity": -along["velocity"]}
+        along = {name: getattr(self, name)[..., ::-1] for name in (*_OF_BEADS, *_OF_CONTACTS, "overlap")}
+        along |= {name: -along[name] for name in ("place", "displacement", "velocity")}
         parts: dict[str, Any] = {"walls": walls, "wall_atoms": wall_atoms, "inner": inner, "coupling": coupling}
+        parts["clearance"] = {other[side]: values for side, values in self.clearance.items()}
+        last = self.mass.shape[1] - 1
+        parts["motions"] = {(c, last - bead): motion.reversed() for (c, bead), motion in self.motions.items()}
+        parts["acceleration"] = -self.acceleration
         parts |= {"wall_dashpot": wall_dashpot, "other_walls": other_walls}
         parts["probes"] = [probe.taken(slice(None, None, -1), -1.0) for probe in self.probes]
         return replace(self, **along, **parts, direction=-self.direction)
@@ -210,29 +223,31 @@ class Measured:
         if last < self.held.shape[1]:
             walls["right"], wall_atoms["right"] = self.strength[:, last - 1], self.ids[:, last]
         beads, contacts = slice(first, last), slice(first, last - 1)
-        of_beads = {
-            name: getattr(self, name)[..., beads] for name in ("ids", "place", "velocity", "mass", "radius", "held")
-        }
-        of_beads |= {name: getattr(self, name)[..., beads] for name in ("foundation", "drag")}
-        of_contacts = {name: getattr(self, name)[..., contacts] for name in ("strength", "dashpot", "dashpot_overlap")}
-        at_walls = [
-            self.overlap[:, index] for index, held in ((first - 1, first > 0), (last - 1, "right" in walls)) if held
-        ]
-        gaps = np.concatenate([np.ravel(self.overlap[:, contacts]), *map(np.ravel, at_walls)])
-        if np.max(gaps) <= 0.0 and np.ptp(gaps) > 1e-6 * float(np.min(self.radius)):
-            raise NotMeasuredError(
-                "held beads are not as far from the chains as the beads are from each other", *PLACES
-            )
+        of_beads = {name: getattr(self, name)[..., beads] for name in _OF_BEADS}
+        of_contacts = {name: getattr(self, name)[..., contacts] for name in _OF_CONTACTS}
         inner = [part.taken(beads) for part in self.inner]
         coupling = {chains: table[:, beads] for chains, table in self.coupling.items()}
         overlap = self.overlap[:, contacts]
         parts: dict[str, Any] = {"walls": walls, "wall_atoms": wall_atoms, "inner": inner, "coupling": coupling}
         parts["probes"] = [probe.taken(beads) for probe in self.probes]
         parts["other_walls"] = [wall for wall in self.other_walls if wall.side not in wall_atoms]
+        parts["motions"] = {(c, b - first): motion for (c, b), motion in self.motions.items() if first <= b < last}
+        parts["wall_dashpot"], parts["clearance"] = dict(self.wall_dashpot), dict(self.clearance)
         for side, contact in (("left", first - 1), ("right", last - 1)):
             if side in wall_atoms:
-                parts["wall_dashpot"] = self.wall_dashpot | {side: self.dashpot[:, :, contact]}
+                parts["wall_dashpot"][side] = self.dashpot[:, :, contact]
+                parts["clearance"][side] = -self.overlap[:, contact]
         return replace(self, **of_beads, **of_contacts, overlap=overlap, **parts)
+
+
+_OF_BEADS = (
+    *("ids", "place", "displacement", "velocity", "mass", "radius", "held", "driven"),
+    *("foundation", "drag"),
+)
+"""Attributes of `Measured` with the axes [..., bead]."""
+
+_OF_CONTACTS = ("strength", "dashpot", "dashpot_overlap")
+"""Attributes of `Measured` with the axes [..., contact]."""
 
 
 def arrange(place: Floats, radius: Floats, mass: Floats, bonds: Integers) -> tuple[int, Integers, list[Inner]]:

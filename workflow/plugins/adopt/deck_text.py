@@ -31,8 +31,9 @@ WITHOUT_EFFECT = _names(
 EXECUTED = _names(
     "atom_modify atom_style bond_coeff bond_style boundary box change_box clear comm_modify compute compute_modify "
     "create_atoms create_bonds create_box delete_atoms delete_bonds dimension displace_atoms fix fix_modify group if "
-    "include jump label labelmap lattice mass neigh_modify neighbor newton next pair_coeff pair_modify pair_style quit "
-    "read_data region replicate reset_atoms reset_timestep run run_style set special_bonds timestep uncompute unfix "
+    "include jump label labelmap lattice mass min_modify min_style minimize neigh_modify neighbor newton next "
+    "pair_coeff pair_modify pair_style quit read_data region replicate reset_atoms reset_timestep run run_style set "
+    "special_bonds timestep uncompute unfix "
     "units variable velocity"
 )
 """Commands that LAMMPS executes: none of them writes a file or starts a program."""
@@ -43,10 +44,13 @@ PAIR_STYLES = _names(
 )
 BOND_STYLES = ("harmonic", "class2", "lepton", "hybrid", "none", "zero")
 FIXES = _names(
-    "nve nve/sphere setforce lineforce planeforce freeze enforce2d wall/gran spring/self addforce gravity viscous "
+    "nve nve/sphere setforce lineforce planeforce freeze enforce2d wall/gran spring/self addforce gravity viscous move "
     "store/state property/atom"
 )
 FIXES_WITHOUT_EFFECT = _names("ave/atom ave/chunk ave/correlate ave/histo ave/time balance print vector")
+MOTIONS = ("linear", "wiggle", "variable")
+"""Motions of `fix move` along an axis."""
+
 VARIABLES = _names("atom delete equal format index internal loop string uloop ulist universe vector world")
 ADHESION = {"dmt", "jkr", "mdr"}
 """Laws of `pair_style granular` that attract or depend on the past."""
@@ -104,17 +108,21 @@ class Deck:
         self._copies: dict[Path, list[str]] = {}
         self._read(path, str(path))
 
-    def write(self, folder: Path, run: Path) -> Path:
+    def write(self, folder: Path, run: Path, before: int = 0) -> Path:
         """Write the copies that LAMMPS executes into a folder; the path of that of the deck itself.
 
         Args:
             folder: folder of the copies.
             run: file of LAMMPS commands, executed in place of every `run`.
+            before: number of runs that LAMMPS executes as they are, before those that are replaced.
         """
         copies = {path: folder / f"{number}.lammps" for number, path in enumerate(self._copies)}
-        names = {_file(path): str(copy) for path, copy in copies.items()} | {_RUN: str(run)}
+        names = {_file(path): str(copy) for path, copy in copies.items()}
         for path, lines in self._copies.items():
             text = "\n".join(lines) + "\n"
+            if path == self.path and before:
+                text = f"variable {_COUNTER} loop {MOST_RUNS}\n{text}"
+            text = _RUN.sub(lambda match: _run_or(match[1], run, before), text)
             for name, copy in names.items():
                 text = text.replace(name, copy)
             copies[path].write_text(text, encoding="utf-8")
@@ -148,12 +156,23 @@ class Deck:
         if command.refusal or words[0] in WITHOUT_EFFECT or _writes_only(words):
             return lines
         if words[0] == "run" and words[1] != "0":
-            upto = "$(step)" if "upto" in words else "0"
-            return [*lines, _printed(STEPS, f"{words[1]} {upto}"), f"include {_RUN}"]
-        return [*lines, text]
+            upto = "$(step)" if "upto" in words else "-"
+            return [*lines, _printed(STEPS, f"{words[1]} {upto}"), f"@granchain-run: {' '.join(words)}@"]
+        return [*lines, " ".join(damped_wall(words)) or text]
 
 
-_RUN = "@granchain-run@"
+_RUN = re.compile(r"^@granchain-run: (.*)@$", re.MULTILINE)
+_COUNTER = "granchain_run"
+
+MOST_RUNS = 10_000_000
+"""Runs of a deck that are counted."""
+
+
+def _run_or(command: str, run: Path, before: int) -> str:
+    """What the copy has in place of a `run`: the command itself the first times, other commands from then on."""
+    if not before:
+        return f"include {run}"
+    return f'if "${{{_COUNTER}}} <= {before}" then "{command}" else "include {run}"\nnext {_COUNTER}'
 
 
 def _file(path: Path) -> str:
@@ -191,6 +210,17 @@ def logical_lines(text: str) -> Iterator[tuple[int, str]]:
         yield first, " ".join(parts)
 
 
+def damped_wall(words: list[str]) -> list[str]:
+    """Words of a `fix wall/gran` whose gamma_n is 0, by which LAMMPS divides, with one that has no effect; or none."""
+    if words[0] != "fix" or len(words) < 8 or _plain(words[3]) != "wall/gran" or words[4] not in _DIVIDING_WALLS:
+        return []
+    return [*words[:7], "1e-30", *words[8:]] if re.fullmatch(r"0+\.?0*|0*\.0+", words[7]) else []
+
+
+_DIVIDING_WALLS = ("hooke", "hooke/history", "hertz/history")
+"""Laws of `fix wall/gran` whose coefficients follow as in older releases."""
+
+
 def _plain(style: str) -> str:
     """Name of a style without the suffix of an accelerator."""
     return _SUFFIX.sub("", style)
@@ -214,22 +244,11 @@ def refusal(words: list[str]) -> str:
 
 _REASONS = {
     "communicate": "is of LIGGGHTS; LAMMPS has `comm_modify`, and a scene needs none",
-    "minimize": "a relaxation is no part of a scene, which starts in equilibrium: `gravity` or `precompression` states "
-    "the load, and `kick` what then moves; supported: `run`",
     "python": "Python code is not executed; supported: `variable` of styles equal, index, loop, string",
     "read_restart": "a restart does not state its contacts; supported: `read_data`, `create_atoms`",
     "rerun": "has no dynamics; supported: `run`",
 }
 
-
-_MOVES = {
-    "linear": "a bead of constant velocity is `striker: {mass: 1.0e+06, velocity: ...}` of a scene of your own, whose "
-    "large mass keeps its velocity",
-    "wiggle": "a bead that oscillates is `drive` of a scene of your own",
-    "variable": "a bead of given motion is `drive`, one under a given force `push: {table: FILE}`, of a scene of "
-    "your own",
-}
-"""What a scene has for beads that `fix move` moves."""
 
 _LIGGGHTS_PROPERTIES = {
     "youngsModulus": "a scene has `material: {youngs_modulus: ...}`",
@@ -286,8 +305,10 @@ def _fix(rest: list[str]) -> str:
         return "its style is missing or a variable; write it out"
     style, options = _plain(rest[2]), rest[3:]
     if style == "move":
-        moved = _MOVES.get(options[0] if options else "", "a bead of given motion is `drive` of a scene of your own")
-        return f"a prescribed motion is not read; {moved}; supported: held beads"
+        motion = options[0] if options else ""
+        if "$" in rest[0] + rest[1]:
+            return "its name or its group is a variable; write it out"
+        return "" if motion in MOTIONS else _supported("motion", tuple(f"move {name}" for name in MOTIONS))
     if style == "property/global":
         key = _LIGGGHTS_PROPERTIES.get(options[0] if options else "", "a scene has `material`, `contact` and `damping`")
         return f"is of LIGGGHTS; {key}"
@@ -327,7 +348,7 @@ def _if(rest: list[str]) -> str:
         if not branch or not inner:
             continue
         writes = inner[0] in WITHOUT_EFFECT and (inner[0] != "print" or {"file", "append"} & set(inner))
-        reason = "it only writes or runs" if writes or inner[0] in ("run", "include") else refusal(inner)
+        reason = "it only writes or runs" if writes or inner[0] in ("run", "minimize", "include") else refusal(inner)
         if inner[0] == "jump" and inner[1:2] != ["SELF"]:
             reason = "jumps out of the file"
         if reason:

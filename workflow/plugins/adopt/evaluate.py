@@ -65,17 +65,18 @@ class Workplace:
             self._link_files()
             yield self
 
-    def execute(self, name: str, run: str) -> Executed:
+    def execute(self, name: str, run: str, before: int = 0) -> Executed:
         """Execute the deck with other commands in place of every `run`.
 
         Args:
             name: name of the folder for copies and log.
             run: LAMMPS commands.
+            before: number of runs that are executed as they are, before the others.
         """
         folder = self.folder / name
         folder.mkdir()
         (folder / "run.lammps").write_text(run, encoding="utf-8")
-        copy = self._deck.write(folder, folder / "run.lammps")
+        copy = self._deck.write(folder, folder / "run.lammps", before)
         error = self.lammps(copy, folder / "log", self._files, self._variables)
         return _executed(self._deck, folder / "log", error)
 
@@ -138,7 +139,10 @@ def _executed(deck: Deck, log: Path, error: str) -> Executed:
             following = int(number) + 1
             commands.append(deck.commands[following - 1])
         elif steps is not None:
-            runs.append((len(commands) - 1, round(float(steps)) - round(float(before))))
+            done = 0  # up to a step; the copy makes none
+            if before != "-":
+                done = round(float(before)) + sum(count for _, count in runs)
+            runs.append((len(commands) - 1, max(0, round(float(steps)) - done)))
         else:
             every.append(round(float(between)))
     return Executed(commands, runs, every, deck.commands[following:], error)
@@ -190,7 +194,7 @@ def _failed(error: Exception) -> int:
 def explained(error: str) -> str:
     """Message of LAMMPS, with what to do where that is known."""
     lost = error.startswith("Lost atoms")
-    return f"{error}: a bead leaves the box; make the box larger along the chain, or the run shorter" if lost else error
+    return f"{error}: a bead leaves the box, or passes through a wall; make the box larger, or the run shorter" if lost else error
 
 
 def refuse_error(executed: Executed, path: Path) -> None:

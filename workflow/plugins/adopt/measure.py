@@ -13,13 +13,14 @@ All quantities are in the deck's units; positions and forces are those along the
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from workflow.plugins.adopt import reference_places
 from workflow.plugins.adopt.chains import (
     PLACES,
     TIME,
@@ -31,7 +32,7 @@ from workflow.plugins.adopt.chains import (
     NotMeasuredError,
     arrange,
 )
-from workflow.plugins.adopt.wall_laws import Reach, WallLaw, wall_dashpot, wall_law
+from workflow.plugins.adopt.wall_laws import MOST_DISTANCES, Reach, WallLaw, wall_dashpot, wall_law
 
 LEVELS = (1.0, 2.0, 4.0)
 """Overlaps or displacements of a pattern, in units of the first."""
@@ -73,11 +74,11 @@ class Atoms:
         self.place, self.velocity, self.radius, self.mass = (
             self._sorted(name) for name in ("x", "v", "radius", "rmass")
         )
-        self.force = self._sorted("f")
+        self.start = self.place.copy()
         self._image = self._sorted("image")
 
     def forces(self, axis: int, displacement: Any = 0.0, velocity: Any = 0.0) -> Floats:
-        """Forces along an axis on the atoms, [atom], displaced from the start and with these velocities.
+        """Forces along an axis on the atoms, [atom], displaced from `place` and with these velocities.
 
         Raises:
             NotMeasuredError: a force acts across the axis.
@@ -107,17 +108,28 @@ class Atoms:
 
     def moved_by_a_step(self, axis: int) -> NDArray[np.bool_]:
         """Whether the integrators move an atom, [atom]."""
-        speed = np.zeros_like(self.place)
-        speed[:, axis] = 1e-6 * np.min(self.radius) / self._lmp.extract_global("dt")
-        self._put(self.place, speed)
-        self._lmp.command("run 1 post no")
-        moved = self._sorted("x")[:, axis] != self.place[:, axis]
-        return np.asarray(moved)
+        moved = np.zeros(len(self.ids), dtype=bool)
+        for share in (1e-6, -3e-6):  # a force may just undo one of them
+            speed = np.zeros_like(self.place)
+            speed[:, axis] = share * np.min(self.radius) / self._lmp.extract_global("dt")
+            self._put(self.place, speed)
+            self._lmp.command("run 1 post no")
+            moved |= self._sorted("x")[:, axis] != self.place[:, axis]
+        return moved
 
-    def box(self, axis: int) -> tuple[float, float]:
-        """Lower and upper face of the box along an axis."""
-        low, high, *_ = self._lmp.extract_box()
-        return float(low[axis]), float(high[axis])
+    def members(self, groups: list[str]) -> NDArray[np.bool_]:
+        """Whether an atom belongs to one of some groups, [atom]."""
+        members = np.zeros(len(self.ids), dtype=bool)
+        for group in groups:
+            self._lmp.command(f"variable granchain_member atom gmask({group})")
+            inside = np.array(self._lmp.extract_variable("granchain_member", "all", 1)[: len(self.ids)])
+            members |= inside[np.argsort(self._now("id"))] != 0.0
+        return members
+
+    def box(self, axis: int) -> tuple[float, float, bool]:
+        """Lower and upper face of the box along an axis, and whether it is periodic or follows the atoms."""
+        low, high, *_, periodic, _ = self._lmp.extract_box()
+        return float(low[axis]), float(high[axis]), bool(periodic[axis])
 
     def at_another_time(self) -> None:
         """Continue at a later step, for forces that depend on the time."""
@@ -137,18 +149,75 @@ class Atoms:
             self._lmp.numpy.extract_atom(name)[:count] = values[of_atom]
 
 
+START = "granchain_start"
+"""Variable of LAMMPS: whether beads come from a relaxation (0 or 1), then name and group of each `fix move`."""
+
+
 def measure(lmp: Any) -> Measured:
-    """Measure the forces of a deck that has come to its first run.
+    """Measure the forces of a deck that has come to the run with which a scene begins.
 
     Raises:
         NotMeasuredError: the beads are no chains, or a force is none that a scene has.
     """
+    first_step = int(lmp.extract_global("ntimestep"))
     atoms = Atoms(lmp)
     axis, chains, inner = arrange(atoms.place, atoms.radius, atoms.mass, _bonds(lmp, atoms.ids))
-    _refuse_ring(lmp, atoms, axis, chains)
-    first_step = int(lmp.extract_global("ntimestep"))
-    measured = _Bench(atoms, axis, chains, inner).measured(float(lmp.extract_global("dt")))
-    return replace(measured, first_step=first_step)
+    relaxed, *names = str(lmp.extract_variable(START)).split()
+    moves = {
+        name: group for name, group in zip(names[::2], names[1::2], strict=True) if name in lmp.available_ids("fix")
+    }
+    driven = atoms.members(list(moves.values()))
+    for name in moves:  # beside them the number of the step may not be changed
+        lmp.command(f"unfix {name}")
+    timestep = float(lmp.extract_global("dt"))
+    mobility = Mobility(driven, atoms.moved_by_a_step(axis), _pushed(atoms, axis, chains))
+
+    def bench(unbalanced: float) -> Measured:
+        parts = [replace(part) for part in inner]
+        return _Bench(atoms, axis, chains, parts, mobility).measured(timestep, unbalanced)
+
+    try:
+        measured = bench(0.0 if relaxed == "1" else UNBALANCED)
+    except NotMeasuredError:
+        place = _reference(atoms, axis, chains, inner, mobility.free)
+        if place is None or np.array_equal(place, atoms.place[:, axis]):
+            raise
+        atoms.place[:, axis] = place
+        measured = bench(UNBALANCED)
+    around = _around(lmp, atoms, axis, chains)
+    return replace(measured, first_step=first_step, relaxed=relaxed == "1", around=around)
+
+
+def _pushed(atoms: Atoms, axis: int, chains: Integers) -> NDArray[np.bool_]:
+    """Whether any force acts on an atom while neighbours are pressed together, [atom]."""
+    place, radius = atoms.place[chains, axis], atoms.radius[chains]
+    overlap = radius[:, :-1] + radius[:, 1:] - np.diff(place, axis=1)
+    distance = np.maximum(-overlap, 0.0) + SMALL * float(np.min(radius))
+    pushed = np.ones(len(atoms.ids), dtype=bool)
+    pushed[chains] = False
+    for parity in (0, 1):
+        closed = np.where(np.arange(overlap.shape[1]) % 2 == parity, distance, 0.0)
+        displacement = np.zeros(len(atoms.ids))
+        displacement[chains[:, :-1]] += 0.5 * closed
+        displacement[chains[:, 1:]] -= 0.5 * closed
+        pushed |= atoms.forces(axis, displacement) != 0.0
+    return pushed
+
+
+def _reference(atoms: Atoms, axis: int, chains: Integers, inner: list[Inner], free: NDArray[np.bool_]) -> Floats | None:
+    """Places along the axis from which displacements are counted, [atom], of a start away from rest; None without."""
+    low, high, periodic = atoms.box(axis)
+    margin = 1e-6 * float(np.min(atoms.radius))
+    lines = reference_places.Lines(
+        forces=lambda displacement: atoms.forces(axis, displacement),
+        start=atoms.start[:, axis].copy(),
+        mass=atoms.mass,
+        lines=np.array([*chains, *(part.atoms for part in inner)]),
+        radius=atoms.radius[chains],
+        free=free,
+        limits=(-math.inf, math.inf) if periodic else (low + margin, high - margin),
+    )
+    return reference_places.reference(lines)
 
 
 def _bonds(lmp: Any, ids: Integers) -> Integers:
@@ -160,21 +229,39 @@ def _bonds(lmp: Any, ids: Integers) -> Integers:
     return np.searchsorted(ids, pairs)
 
 
-def _refuse_ring(lmp: Any, atoms: Atoms, axis: int, chains: Integers) -> None:
+def _around(lmp: Any, atoms: Atoms, axis: int, chains: Integers) -> Floats | None:
+    """Overlap of the last with the first bead of rings, through a periodic boundary, [chain]; None of open chains."""
     low, high, *_, periodic, _ = lmp.extract_box()
     place, radius = atoms.place[chains, axis], atoms.radius[chains]
-    around = high[axis] - low[axis] - (place[:, -1] - place[:, 0]) - radius[:, 0] - radius[:, -1]
-    if periodic[axis] and np.min(around) < 0.5 * np.min(radius):
-        raise NotMeasuredError(
-            "the chains close to rings through the periodic boundary; supported: chains with two ends", "boundary"
-        )
+    gap = high[axis] - low[axis] - (place[:, -1] - place[:, 0]) - radius[:, 0] - radius[:, -1]
+    return -gap if periodic[axis] and np.min(gap) < 0.5 * np.min(radius) else None
+
+
+@dataclass(frozen=True)
+class Mobility:
+    """What moves atoms, each [atom].
+
+    Attributes:
+        driven: whether LAMMPS moves an atom along a given path.
+        integrated: whether its velocity moves it.
+        pushed: whether forces change its velocity.
+    """
+
+    driven: NDArray[np.bool_]
+    integrated: NDArray[np.bool_]
+    pushed: NDArray[np.bool_]
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Whether forces move an atom."""
+        return self.integrated & self.pushed & ~self.driven
 
 
 class _Bench:
     """The patterns of displacements and velocities, and what follows from the forces."""
 
-    def __init__(self, atoms: Atoms, axis: int, chains: Integers, inner: list[Inner]) -> None:
-        self.atoms, self.axis, self.chains, self.inner = atoms, axis, chains, inner
+    def __init__(self, atoms: Atoms, axis: int, chains: Integers, inner: list[Inner], mobility: Mobility) -> None:
+        self.atoms, self.axis, self.chains, self.inner, self.mobility = atoms, axis, chains, inner, mobility
         self.rows = np.full(len(atoms.ids), -1)
         self.chain_of = np.full(len(atoms.ids), -1)
         for number, line in enumerate(chains):
@@ -186,11 +273,17 @@ class _Bench:
         self.small = SMALL * float(np.min(atoms.radius[chains]))
         place, radius = atoms.place[chains, axis], atoms.radius[chains]
         self.overlap = radius[:, :-1] + radius[:, 1:] - np.diff(place, axis=1)
-        self.touching = 8.0 * float(np.finfo(float).eps * np.max(np.abs(atoms.place)))
-        self.speed = float(np.max(np.abs(atoms.velocity)))
+        farthest = max(float(np.max(np.abs(places))) for places in (atoms.place, atoms.start))
+        self.touching = 8.0 * float(np.finfo(float).eps) * farthest
+        self.speed = float(np.max(np.abs(atoms.velocity[~mobility.driven]), initial=0.0))
 
-    def measured(self, timestep: float) -> Measured:
-        """All forces, each of which must be one that a scene has."""
+    def measured(self, timestep: float, unbalanced: float) -> Measured:
+        """All forces, each of which must be one that a scene has.
+
+        Args:
+            timestep: time step.
+            unbalanced: force on a bead at rest that is none, relative to static loads, or to the force of an impact.
+        """
         atoms, chains, axis = self.atoms, self.chains, self.axis
         across = np.delete(np.abs(atoms.velocity), axis, axis=1)
         if np.any(across):
@@ -204,19 +297,22 @@ class _Bench:
         self.rest = atoms.forces(axis)
         self._measure_foundation()
         strength, exponent = self._measure_contacts()
-        if self.speed == 0.0:
-            self._refuse_rest(strength, exponent)
-        self._refuse_motion_at_rest(strength, exponent)
+        acceleration = self._acceleration(strength, exponent, unbalanced)
+        if self.speed == 0.0:  # dashpots are measured at some velocity
+            self.speed = math.sqrt(float(np.max(strength)) * self.small ** (exponent + 1.0) / float(np.max(atoms.mass)))
         drag = self._measure_drag()
         walls, wall_dashpots, other_walls = self._measure_walls(exponent)
+        clear = np.full(len(chains), max(0.0, -float(np.min(self.overlap))))
         result = Measured(
             axis=axis,
             ids=atoms.ids[chains],
             place=atoms.place[chains, axis],
+            displacement=(atoms.start - atoms.place)[chains, axis],
             velocity=atoms.velocity[chains, axis],
             mass=atoms.mass[chains],
             radius=atoms.radius[chains],
             held=np.zeros(chains.shape, dtype=bool),
+            driven=np.zeros(chains.shape, dtype=bool),
             overlap=self.overlap,
             strength=strength,
             exponent=exponent,
@@ -230,11 +326,21 @@ class _Bench:
             wall_dashpot=wall_dashpots,
             other_walls=other_walls,
             inner=self.inner,
+            acceleration=acceleration,
             timestep=timestep,
+            clearance=dict.fromkeys(walls, clear),
         )
         self._measure_inner()
         self._measure_dashpots(result)
-        result.held = self._held(strength)
+        result.held, result.driven = self._held()
+        result.velocity[result.driven] = 0.0
+        self._forget_forces_on_driven(result)
+        if not (acceleration or np.any(result.driven) or np.any(result.velocity) or np.any(result.displacement)):
+            raise NotMeasuredError(
+                "no bead moves at the start; supported: velocities by `velocity` or `set` before the run (key `kick`), "
+                "displacements (`initial`), falls (`gravity`), motions by `fix move` (`drive`)",
+                "run",
+            )
         result.probes = list(self._probes(result.held))
         return result
 
@@ -243,12 +349,10 @@ class _Bench:
         free = np.ones(len(self.rows))
         free[self.chains[held]] = 0.0
         gap = max(0.0, -float(np.min(self.overlap)))
-        patterns = [
-            ("pairs", self._pattern(parity, self._base + level * self.small))
-            for parity in (0, 1)
-            for level in (LEVELS[0], LEVELS[2])
-        ]
-        patterns += [("walls", np.full(len(self.rows), sign * (gap + self.small))) for sign in (-1.0, 1.0)]
+        patterns = [("pairs", self._closed(parity, level)) for parity in (0, 1) for level in (LEVELS[0], LEVELS[2])]
+        for sign, side in ((-1.0, "left"), (1.0, "right")):
+            distance = min(gap + self.small, self._way_to_face(side))
+            patterns.append(("walls", np.full(len(self.rows), sign * distance)))
         patterns += [("chain", self.small * (self.chain_of == chain)) for chain in range(len(self.chains))]
         for name, displacement in patterns:
             for rate in (0.0, self.speed, -self.speed):
@@ -307,9 +411,24 @@ class _Bench:
         """Displacements that close every other contact by a distance and open the others by as much, [atom]."""
         return np.where(self.rows % 2 == parity, 0.5, -0.5) * distance
 
+    def _closed(self, parity: int, level: float) -> Floats:
+        """Displacements that close every other contact until it overlaps by a level more than at rest, [atom]."""
+        gaps = np.where(np.arange(self.overlap.shape[1]) % 2 == parity, self._gaps, 0.0)
+        rows = 0.5 * (np.append(gaps, 0.0) - np.append(0.0, gaps))
+        return self._pattern(parity, self._base + level * self.small) + np.where(self.rows < 0, 0.0, rows[self.rows])
+
     @property
     def _base(self) -> float:
-        return float(np.max(np.abs(self.overlap)))
+        return max(0.0, float(np.max(self.overlap)))
+
+    @property
+    def _gaps(self) -> Floats:
+        """Largest gap of a contact in any chain, [contact]."""
+        return np.asarray(np.max(np.maximum(-self.overlap, 0.0), axis=0))
+
+    def _overlaps(self, level: float) -> Floats:
+        """Overlaps of closed contacts, [chain, contact]."""
+        return np.asarray(self.overlap + self._gaps + self._base + level * self.small)
 
     def _alternating(self, level: float, rate: float = 0.0) -> tuple[Floats, Floats]:
         """Forces of all contacts on the lower and the upper bead of each, [chain, contact], closed by a level.
@@ -318,8 +437,7 @@ class _Bench:
         """
         lower, upper = np.zeros(self.overlap.shape), np.zeros(self.overlap.shape)
         for parity in (0, 1):
-            distance = self._base + level * self.small
-            displacement = self._pattern(parity, distance)
+            displacement = self._closed(parity, level)
             velocity = self._pattern(parity, rate)
             force = self._moved(displacement, velocity) - self._ground(displacement)
             force = force[self.chains]
@@ -339,7 +457,7 @@ class _Bench:
         weak, medium, strong = (self._alternating(level) for level in LEVELS)
         first = self._of_contacts((medium[0] - weak[0], medium[1] - weak[1]))
         second = self._of_contacts((strong[0] - medium[0], strong[1] - medium[1]))
-        overlaps = [self.overlap + self._base + level * self.small for level in LEVELS]
+        overlaps = [self._overlaps(level) for level in LEVELS]
         largest = float(np.max(np.abs(first)))
         if not largest > 0.0:
             raise NotMeasuredError("neighbouring beads do not push each other where they overlap", *_CONTACTS)
@@ -378,42 +496,33 @@ class _Bench:
         if np.any(~held & (np.abs(between) > 100.0 * AGREE * self.contact_force)):
             raise NotMeasuredError("beads that are apart act on each other; supported: contacts that touch", *_CONTACTS)
 
-    def _refuse_motion_at_rest(self, strength: Floats, exponent: float) -> None:
-        """Refuse a start that is no equilibrium but for the velocities."""
+    def _acceleration(self, strength: Floats, exponent: float, unbalanced: float) -> float:
+        """Acceleration of all beads, which fall; 0 in equilibrium.
+
+        Raises:
+            NotMeasuredError: forces on beads at rest are neither those of an equilibrium nor weights alone.
+        """
+        force = np.where(self.mobility.free, self.rest, 0.0)
+        load = float(np.max(strength * np.maximum(self.overlap, 0.0) ** exponent))
         energy = float(np.median(self.atoms.mass)) * self.speed**2
         impact = energy ** (exponent / (exponent + 1.0)) * float(np.max(strength)) ** (1.0 / (exponent + 1.0))
-        if self._unbalanced(strength, exponent, impact):
+        least = self.noise + unbalanced * max(load, impact)
+        if np.max(np.abs(force)) <= least:
+            return 0.0
+        falls = reference_places.acceleration(force, self.atoms.mass, self.mobility.free, self.noise)
+        if falls is None or np.max(self.overlap) > self.touching or np.any(self.linear) or np.any(self.cubic):
             raise NotMeasuredError(f"beads are not in equilibrium at the start ({self._why})", *PLACES, *_FORCES)
-
-    def _refuse_rest(self, strength: Floats, exponent: float) -> None:
-        """Refuse a start without any velocity."""
-        if self._unbalanced(strength, exponent, 0.0):
-            raise NotMeasuredError(f"beads fall from rest ({self._why})", *PLACES, *_FORCES)
-        raise NotMeasuredError(
-            "no bead moves at the start; supported: velocities by `velocity` or `set` before the run (key `kick`)",
-            "run",
-        )
-
-    def _unbalanced(self, strength: Floats, exponent: float, impact: float) -> bool:
-        """Whether a force on a bead at rest is more than rounding, beside loads and the force of an impact."""
-        load = float(np.max(strength * np.maximum(self.overlap, 0.0) ** exponent))
-        return bool(np.max(np.abs(self.rest)) > self.noise + UNBALANCED * max(load, impact))
+        return falls
 
     @property
     def _why(self) -> str:
         """Largest force on a bead at rest, and what a scene has for it."""
-        place = int(np.argmax(np.abs(self.rest)))
-        pressed = float(np.max(self.overlap)) > self.touching
-        start = (
-            "beads that overlap are held by `precompression: {force: ...}`, or by walls at the ends, or lie on a wall "
-            "under `gravity`"
-            if pressed
-            else "a column that has settled on a wall is `gravity: ...` with `walls`, what then moves it `kick`; "
-            "beads that fall, `gravity: {acceleration: ..., settled: false}`, and displaced ones, `initial`, are not "
-            "recognised"
+        place = int(np.argmax(np.abs(np.where(self.mobility.free, self.rest, 0.0))))
+        return (
+            f"force {self.rest[place]:.6g} on atom {self.atoms.ids[place]}, and no equilibrium was found near it; "
+            "supported: an equilibrium, displacements from one (`initial`), beads apart that fall alike "
+            "(`gravity: {acceleration: ..., settled: false}`); forces on single beads are `push` of a scene of your own"
         )
-        force = f"force {self.rest[place]:.6g} on atom {self.atoms.ids[place]}"
-        return f"{force}; an adopted scene starts in equilibrium: {start}"
 
     # --- dashpots -----------------------------------------------------------------------------------------------------
 
@@ -456,7 +565,7 @@ class _Bench:
         if np.any(np.abs(again - strong) > 1e-5 * np.max(strong)) or np.any(strong < 0.0):
             raise NotMeasuredError("the damping of a contact is not proportional to its velocity", *_CONTACTS)
         result.dashpot = np.stack([weak, strong])
-        result.dashpot_overlap = np.stack([self.overlap + self._base + level * self.small for level in (1.0, 4.0)])
+        result.dashpot_overlap = np.stack([self._overlaps(level) for level in (1.0, 4.0)])
         elastic = result.strength * result.dashpot_overlap[0] ** result.exponent
         fast = 4.0 * float(np.max(elastic / np.where(weak > 0.0, weak, np.inf)))
         result.cut = bool(np.all(np.abs(resistance(LEVELS[0], -fast) * fast) <= elastic * (1.0 + 1e-5)))
@@ -514,12 +623,15 @@ class _Bench:
         gap, pressed = max(0.0, -float(np.min(self.overlap))), float(np.max(self.overlap)) > self.touching
         steps = [gap + level * self.small for level in LEVELS]
         for side in ("left", "right"):
+            if np.all(self.mobility.driven[self.chains[:, 0 if side == "left" else -1]]):
+                continue
 
             def push(distance: float, speed: float, side: str = side) -> Floats:
                 """Force of the wall on the bead before it, [chain]."""
                 return self._push_of_wall(side, distance, speed)
 
-            forces = np.array([push(step, 0.0) for step in steps])
+            inside = steps[-1] < self._way_to_face(side)
+            forces = np.array([push(step, 0.0) for step in steps]) if inside else np.zeros((1, 1))
             try:
                 if np.max(forces) > self._noise_at(steps[-1]):
                     constants = np.array([_wall(values, steps, gap, exponent) for values in forces.T.tolist()])
@@ -550,9 +662,13 @@ class _Bench:
 
     def _way_to_face(self, side: str) -> float:
         """Distance by which all atoms can be moved towards an end without one leaving the box."""
-        low, high = self.atoms.box(self.axis)
         place = self.atoms.place[:, self.axis]
+        self._moved(0.0)
+        low, high, _ = self.atoms.box(self.axis)
         distance = float(np.min(place) - low) if side == "left" else float(high - np.max(place))
+        self._moved(-self.small if side == "left" else self.small)
+        if self.atoms.box(self.axis)[:2] != (low, high):  # the box follows the atoms
+            return MOST_DISTANCES * float(np.min(self.atoms.radius[self.chains]))
         return distance * (1.0 - 1e-9)
 
     # --- what moves, and when -----------------------------------------------------------------------------------------
@@ -565,26 +681,40 @@ class _Bench:
             force = self._moved(self.small)
             if np.any(np.abs(force - before) > ROUNDED * np.max(np.abs(before))):
                 raise NotMeasuredError(
-                    "a force depends on the time, which is not read; write `push`, `drive` or `foundation` into a "
-                    "scene of your own",
+                    "a force depends on the time, which is not read; write `push`, `drive` (a wall that moves is a "
+                    "bead at the end with one) or `foundation` into a scene of your own",
                     TIME,
                 )
 
-    def _held(self, strength: Floats) -> NDArray[np.bool_]:
-        """Whether a bead never moves, [chain, bead]: not integrated, or without any force."""
-        displacement = self._pattern(0, self._base + self.small), self._pattern(1, self._base + self.small)
-        forces = np.abs([self._moved(pattern)[self.chains] for pattern in displacement])
-        without_force = np.all(forces == 0.0, axis=0)
-        touched = np.zeros(self.chains.shape, dtype=bool)
-        touched[:, :-1] |= strength > 0.0
-        touched[:, 1:] |= strength > 0.0
-        still = ~self.atoms.moved_by_a_step(self.axis)[self.chains]
-        held = still | (without_force & touched)
-        if np.any(self.atoms.velocity[self.chains, self.axis][held]):
+    def _held(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Whether a bead never moves, [chain, bead], and whether its motion is given, whatever acts on it."""
+        mobility, velocity = self.mobility, self.atoms.velocity[self.chains, self.axis]
+        driven, moved = mobility.driven[self.chains], mobility.integrated[self.chains]
+        if np.any(velocity[~moved & ~driven]):
             raise NotMeasuredError(
-                "a bead that no force moves has a velocity; supported: beads that are held", "velocity"
+                "a bead that no `fix nve` moves has a velocity; supported: beads that are held, or moved by `fix move`",
+                "velocity",
             )
-        return np.asarray(held)
+        constant = moved & ~mobility.pushed[self.chains]
+        driven = driven | (constant & (velocity != 0.0))
+        if np.all(driven | ~moved | constant):
+            raise NotMeasuredError(
+                "no bead moves freely; supported: chains of at least 2 beads that forces move", "fix move", "fix freeze"
+            )
+        return (~moved | constant) & ~driven, driven
+
+    def _forget_forces_on_driven(self, result: Measured) -> None:
+        """Give driven beads the springs and drag of the next free one: forces on them have no effect."""
+        for chain, bead in np.argwhere(result.driven).tolist():
+            free = np.flatnonzero(~result.driven[chain] & ~result.held[chain])
+            if not len(free):
+                continue
+            like = int(free[np.argmin(np.abs(free - bead))])
+            result.foundation[:, chain, bead] = result.foundation[:, chain, like]
+            result.drag[chain, bead] = result.drag[chain, like]
+            for (first, second), table in result.coupling.items():
+                if chain in (first, second):
+                    table[:, bead] = table[:, like]
 
 
 def _exponent(first: Floats, second: Floats, overlaps: list[Floats]) -> float:

@@ -14,29 +14,22 @@ from scipy.optimize import brentq
 
 from granchain.parts import dashpot, output, units, walls
 from workflow.plugins.adopt.chains import Inner, Measured, NotMeasuredError
+from workflow.plugins.adopt.digits import SAME, tidy
+from workflow.plugins.adopt.walls_at_gap import fitted
 
 Floats = NDArray[np.float64]
-
-SAME = 1e-8
-"""Relative difference of measured numbers that is rounding."""
-
-SHORT = 7
-"""Digits of numbers as people write them; a measured number that is one of these within rounding is taken for it."""
 
 NEGLIGIBLE = 1e-6
 """Distances in units of L, and forces in units of m V / T, that are none."""
 
+SETTLED = 1e-5
+"""Velocities in units of V, and displacements of as much energy, that a relaxation leaves and that do not matter."""
+
+MOST_ENTRIES = 5
+"""Beads with displacements that are entries of `initial`; more are a table."""
+
 FRAMES = 0.1
 """Time between frames in units of T where the deck has no dump."""
-
-
-def tidy(value: float) -> float:
-    """The number of few digits that a measured one is within rounding, or itself."""
-    for digits in range(1, SHORT + 1):
-        short = float(f"{value:.{digits}g}")
-        if abs(short - value) <= 0.1 * SAME * abs(value):
-            return short
-    return float(value)
 
 
 def single_value(values: Any, message: str, *commands: str) -> float:
@@ -68,7 +61,7 @@ class SceneKeys:
     def __init__(self, measured: Measured, *, si: bool, poisson_ratio: float = 0.0) -> None:
         self.si, self.poisson_ratio = si, poisson_ratio
         self.notes: list[str] = []
-        self._take(measured.without_held())
+        self._take(fitted(measured.without_held()))
         if self._pressed_backwards:
             self._take(self.measured.reversed())
 
@@ -81,8 +74,25 @@ class SceneKeys:
         self._kinds = list(kinds)
         self.unit = 1.0 if self.si else self.mass
         self.reference = self._reference_strength()
-        speed = float(np.max(np.abs(self.measured.velocity)))
-        self.scale = units.make_scale(self.mass, self.reference, speed, si=self.si, exponent=measured.exponent)
+        self.scale = units.make_scale(self.mass, self.reference, self._speed(), si=self.si, exponent=measured.exponent)
+
+    def _speed(self) -> float:
+        """Largest velocity of a bead at the start, of a motion, of a fall, or of a bead with the energy of a link."""
+        measured = self.measured
+        power = measured.exponent
+        speeds = [float(np.max(np.abs(measured.velocity))), *(motion.speed for motion in measured.motions.values())]
+        if measured.acceleration:
+            rest = (self.mass * abs(measured.acceleration) / self.reference) ** (1.0 / power)
+            speeds.append(math.sqrt(2.0 * abs(measured.acceleration) * (max(0.0, -np.min(measured.overlap)) + rest)))
+        x = measured.displacement
+        if np.any(x):
+            overlap = np.maximum(measured.overlap - np.diff(x, axis=1), 0.0)
+            more = np.abs(overlap ** (power + 1.0) - np.maximum(measured.overlap, 0.0) ** (power + 1.0))
+            energies = [measured.strength * more / (power + 1.0)]
+            energies += [measured.foundation[0] * x**2 / 2.0 + measured.foundation[1] * x**4 / 4.0]
+            energies += [table[0] * (x[a] - x[b]) ** 2 / 2.0 for (a, b), table in measured.coupling.items()]
+            speeds.append(math.sqrt(2.0 * max(float(np.max(energy)) for energy in energies) / self.mass))
+        return max(speeds)
 
     @property
     def _forces_at_rest(self) -> Floats:
@@ -100,6 +110,8 @@ class SceneKeys:
     @property
     def _pressed_backwards(self) -> bool:
         """Whether gravity acts towards the first beads, where scenes have it towards the last."""
+        if self.measured.acceleration:
+            return self.measured.acceleration < 0.0
         return float(np.min(self._forces_at_rest[:, -1] - self._forces_at_rest[:, 0])) < -self._even_load
 
     def _reference_strength(self) -> float:
@@ -133,6 +145,7 @@ class SceneKeys:
         keys |= {"chains": measured.mass.shape[0], "beads": measured.mass.shape[1]}
         for part in (
             *(
+                self._periodic,
                 self._gap,
                 self._material,
                 self._contacts_and_beads,
@@ -140,7 +153,7 @@ class SceneKeys:
                 self._foundation,
                 self._resonators,
             ),
-            *(self._walls, self._damping, self._load, self._kicks),
+            *(self._walls, self._damping, self._load, self._start, self._drives),
         ):
             keys |= part()
         step = measured.timestep
@@ -173,20 +186,23 @@ class SceneKeys:
 
     # --- chains -------------------------------------------------------------------------------------------------------
 
+    def _periodic(self) -> dict[str, Any]:
+        measured = self.measured
+        if measured.around is None:
+            return {}
+        if np.max(measured.overlaps) > NEGLIGIBLE * self.scale.length:
+            raise NotMeasuredError(
+                "the beads of a ring press each other at rest; supported: rings of beads that touch, or with gaps",
+                "boundary",
+            )
+        return {"periodic": True}
+
     def _gap(self) -> dict[str, Any]:
-        overlap, least = self.measured.overlap, NEGLIGIBLE * self.scale.length
+        overlap, least = self.measured.overlaps, NEGLIGIBLE * self.scale.length
         if np.max(np.abs(overlap)) < least or np.max(overlap) > least:
             return {}
         if not np.ptp(overlap) > least:
             return {"gap": tidy(-float(np.mean(overlap)))}
-        if self.measured.walls or self.measured.other_walls:
-            raise NotMeasuredError(
-                f"the clear distances between beads differ ({-np.max(overlap):.6g} to {-np.min(overlap):.6g}); "
-                "supported beside walls: one `gap` of all",
-                "create_atoms",
-                "read_data",
-                "set",
-            )
         gaps = [[tidy(-value) if -value > least else 0.0 for value in row] for row in overlap.tolist()]
         return {"gap": gaps[0] if all(row == gaps[0] for row in gaps) else gaps}
 
@@ -217,6 +233,12 @@ class SceneKeys:
         kinds = [kind if by_size else (kind[0], self.radius) for kind in self._kinds]
         kinds = list(dict.fromkeys(kinds))
         if not by_size and not np.allclose(measured.strength, self.reference, rtol=SAME):
+            if measured.around is not None:
+                raise NotMeasuredError(
+                    "the contacts of a ring differ otherwise than by the sizes of its beads; supported: rings of "
+                    "alike contacts",
+                    "boundary",
+                )
             strength = [[tidy(value / self.reference) for value in row] for row in measured.strength.tolist()]
             contact["strength"] = strength[0] if all(row == strength[0] for row in strength) else strength
         if contact:
@@ -393,6 +415,8 @@ class SceneKeys:
     def _load(self) -> dict[str, Any]:
         """Static loads: forces of the contacts at rest are F0 + g (m_1 + ... + m_n)."""
         measured, load = self.measured, self._forces_at_rest
+        if measured.acceleration:
+            return {"gravity": {"acceleration": tidy(measured.acceleration), "settled": False}}
         if not np.any(load):
             return {}
         weight = np.cumsum(measured.mass, axis=1)[:, :-1]
@@ -415,13 +439,60 @@ class SceneKeys:
             keys["precompression"] = {"force": tidy(float(force) / self.unit)}
         return keys
 
-    def _kicks(self) -> dict[str, Any]:
-        velocity = self.measured.velocity
-        kicks = [
-            {"chain": int(chain) + 1, "bead": int(bead) + 1, "velocity": tidy(float(velocity[chain, bead]))}
-            for chain, bead in np.argwhere(velocity != 0.0)
+    def _start(self) -> dict[str, Any]:
+        """Velocities and displacements at the start: key `initial` if there are displacements, else `kick`."""
+        x, velocity = self._displacement, self.measured.velocity
+        if self.measured.relaxed:
+            x, velocity = self._without_rest(x, velocity)
+        if not np.any(x):
+            kicks = [
+                {"chain": int(chain) + 1, "bead": int(bead) + 1, "velocity": tidy(float(velocity[chain, bead]))}
+                for chain, bead in np.argwhere(velocity != 0.0)
+            ]
+            return {"kick": kicks} if kicks else {}
+        rows = [
+            [int(chain) + 1, int(bead) + 1, tidy(float(x[chain, bead])), tidy(float(velocity[chain, bead]))]
+            for chain, bead in np.argwhere((x != 0.0) | (velocity != 0.0))
         ]
-        return {"kick": kicks}
+        if len(rows) > MOST_ENTRIES:
+            return {"initial": {"table": rows}}
+        names = ("chain", "bead", "displacement", "velocity")
+        entries = [{name: value for name, value in zip(names, row, strict=True) if value} for row in rows]
+        return {"initial": entries[0] if len(entries) == 1 else entries}
+
+    @property
+    def _displacement(self) -> Floats:
+        """Displacements at the start; where nothing holds the beads in their places, such that most beads have none."""
+        measured, x = self.measured, self.measured.displacement
+        if not (np.any(measured.foundation) or measured.walls or measured.motions or measured.inner):
+            middle = np.sort(np.ravel(x))[x.size // 2]
+            if np.count_nonzero(np.abs(x - middle) <= measured.rounding) > x.size // 2:
+                x = x - middle
+        return np.where(np.abs(x) <= measured.rounding, 0.0, x)
+
+    def _without_rest(self, x: Floats, velocity: Floats) -> tuple[Floats, Floats]:
+        """Displacements and velocities without those that a relaxation has left, too small to matter."""
+        measured, fastest = self.measured, self._speed()
+        rest = np.maximum(measured.overlap, 0.0)
+        stiffest = float(np.max(measured.exponent * measured.strength * rest ** (measured.exponent - 1.0)))
+        farthest = min(self.scale.length, fastest * math.sqrt(self.mass / stiffest) if stiffest else math.inf)
+        slow, near = np.abs(velocity) <= SETTLED * fastest, np.abs(x) <= SETTLED * farthest
+        small = slow & near
+        if np.any(small & ((x != 0.0) | (velocity != 0.0))):
+            self.notes.append(
+                f"what the relaxation leaves of {np.count_nonzero(small)} beads, at most "
+                f"{np.max(np.abs(velocity[small])):.1e} of velocity and {np.max(np.abs(x[small])):.1e} of displacement, "
+                "is left out"
+            )
+        return np.where(near, 0.0, x), np.where(small, 0.0, velocity)
+
+    def _drives(self) -> dict[str, Any]:
+        """Motions of beads that are given."""
+        drives = [
+            {"chain": chain + 1, "bead": bead + 1} | motion.keys()
+            for (chain, bead), motion in sorted(self.measured.motions.items())
+        ]
+        return {"drive": drives[0] if len(drives) == 1 else drives} if drives else {}
 
 
 def _period(row: list[str]) -> list[str]:

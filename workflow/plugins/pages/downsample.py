@@ -160,8 +160,9 @@ def _of(frames: Trajectory, deforms: bool) -> tuple[Floats, Floats, Floats]:
     overlap, force = np.full_like(x, np.nan), np.full_like(x, np.nan)
     if problem.rows.neighbours and deforms and problem.system.holds(Fact.OVERLAPS):
         of_contacts = motion.overlaps(problem.system, x)
-        overlap[..., :-1] = np.maximum(of_contacts, 0.0)
-        force[..., :-1] = motion.contact_force(frames.system, of_contacts)
+        contacts = slice(of_contacts.shape[-1])
+        overlap[..., contacts] = np.maximum(of_contacts, 0.0)
+        force[..., contacts] = motion.contact_force(frames.system, of_contacts)
     return x, overlap, force
 
 

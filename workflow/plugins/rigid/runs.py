@@ -65,6 +65,8 @@ class RigidEngine(engines.Engine):
             return f"`collisions` has no damping; {other}"
         if system.start is not None:
             return f"`collisions` starts from kicks alone; {other}"
+        if system.closing:
+            return f"`collisions` is for chains with ends; {other}"
         if not physics.simply_coupled(system):
             return f"`collisions` is for equal linear springs between neighbouring chains only; {other}"
         gaps = np.atleast_2d(system.along[0].gap)
