@@ -20,6 +20,8 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from yaml.composer import Composer
+from yaml.constructor import SafeConstructor
 
 from lammps_inputs.errors import InputError
 
@@ -36,14 +38,14 @@ def as_tuple(value: Any) -> Any:
 _TEXT, _INT = "tag:yaml.org,2002:str", "tag:yaml.org,2002:int"
 
 
-class _Loader(yaml.SafeLoader):
-    """A safe loader that refuses duplicate keys, keys that are not text, tags, anchors and aliases."""
+class _Strict(Composer, SafeConstructor):
+    """Nodes and values of events; refuses duplicate keys, keys that are not text, tags, anchors and aliases."""
 
     yaml_implicit_resolvers: dict[Any, Any] = {}  # noqa: RUF012  PyYAML's own attribute
     values = 0
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        event = self.peek_event()  # type: ignore[no-untyped-call]
+        event = self.peek_event()  # type: ignore[attr-defined]
         self.values += 1
         if self.values > MAX_VALUES:
             raise _refusal(f"more than {MAX_VALUES:,} keys and values", event)
@@ -73,6 +75,22 @@ class _Loader(yaml.SafeLoader):
                 raise _refusal(f"key {key!r} is given twice", key_node)
             keys.add(key)
         return super().construct_mapping(node, deep)
+
+
+class _Loader(_Strict, yaml.SafeLoader):
+    """A safe loader in Python, whose messages on what is no YAML are those of `_ADVICE`."""
+
+
+_LIBYAML: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+"""Loader of libyaml where PyYAML was built with it."""
+
+
+class _FastLoader(_Strict, _LIBYAML):  # type: ignore[misc]
+    """A safe loader of the same values, with the events of libyaml."""
+
+    def __init__(self, stream: str) -> None:
+        _LIBYAML.__init__(self, stream)
+        Composer.__init__(self)
 
 
 def _is_decimal_comma(before: Any, key: Any, value: Any) -> bool:
@@ -114,7 +132,7 @@ for _tag, _pattern, _first in (
     ("float", r"[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)", "-+."),
     ("null", r"~|null|Null|NULL|", ["~", "n", "N", ""]),
 ):
-    for _class in (_Loader, _Dumper):
+    for _class in (_Loader, _FastLoader, _Dumper):
         _class.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(f"^(?:{_pattern})$"), list(_first))
 
 
@@ -135,7 +153,10 @@ def parse(text: str, source: str, needed: str = "") -> dict[str, Any]:
     if len(text) > MAX_BYTES:
         raise InputError(f"{source}: larger than {MAX_BYTES >> 10} KiB, so hardly a scene")
     try:
-        data = yaml.load(text, Loader=_Loader)
+        try:
+            data = yaml.load(text, Loader=_FastLoader)
+        except yaml.YAMLError:
+            data = yaml.load(text, Loader=_Loader)
     except yaml.MarkedYAMLError as error:
         raise InputError(f"{source}: {_misread(error)}") from None
     except yaml.YAMLError as error:

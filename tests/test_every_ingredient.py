@@ -52,7 +52,8 @@ BY_BOND = {"lattice", "formulas of springs"}
 ACROSS_RANKS = [
     *sorted(BY_BOND),
     "foundations over time",
-    "closed to rings of sizes, damped",
+    "closed to rings of sizes",
+    "closed to rings, damped",
     "closed to rings, random contacts, resonators",
     "bonded rings, initial states",
     "disorder",

@@ -137,6 +137,9 @@ _NODES = (0, 1, 2, 3)
 _SPARSER = 3
 """Frames from one to the next when the error is measured: halfway between two, that of velocities is at its least."""
 
+_AT_ONCE = 512
+"""Number of times whose polynomials are evaluated together, such that they stay in a processor's cache."""
+
 MARGIN = 0.01
 """Extrapolation beyond the ends of a trajectory, in frames: for times that were rounded to six digits."""
 
@@ -164,11 +167,17 @@ def at_times(trajectory: Trajectory, times: Floats) -> Trajectory:
     start = np.clip(np.searchsorted(instants, times, side="right") - 2, 0, trajectory.frames - len(_NODES))
     before = np.clip(np.searchsorted(instants, times, side="right") - 1, 0, trajectory.frames - 1)
     x, v = trajectory.atoms
-    data = np.array([(x[start + node], v[start + node]) for node in _NODES])
+    windows, window = np.unique(start, return_inverse=True)  # few, where there are many times between two frames
+    data = np.array([(x[windows + node], v[windows + node]) for node in _NODES])
     polynomials = hermite.coefficients(_NODES, data, float(spacing))
-    s = ((times - instants[start]) / spacing)[:, np.newaxis, np.newaxis] * np.ones(x.shape[1:])
-    velocity = hermite.value(hermite.derivative(polynomials), s) / spacing
-    return trajectory[before].with_motion(times, hermite.value(polynomials, s), velocity)
+    slopes = hermite.derivative(polynomials)
+    displacement, velocity = np.empty((2, len(times), *x.shape[1:]))
+    for first in range(0, len(times), _AT_ONCE):
+        part = slice(first, first + _AT_ONCE)
+        s = ((times[part] - instants[start[part]]) / spacing)[:, np.newaxis, np.newaxis] * np.ones(x.shape[1:])
+        displacement[part] = hermite.value(np.take(polynomials, window[part], axis=1), s)
+        velocity[part] = hermite.value(np.take(slopes, window[part], axis=1), s) / spacing
+    return trajectory[before].with_motion(times, displacement, velocity)
 
 
 def interpolation_error(trajectory: Trajectory) -> tuple[float, float]:

@@ -104,6 +104,10 @@ class ContactCurve:
         state = None if self.state is None else self.state[:, stretch]
         return replace(self, polynomial=self.polynomial[:, stretch], chain=self.chain[stretch], state=state)
 
+    def up_to_a_jump(self) -> "ContactCurve":
+        """Curves by the frame before alone, which hold until a force jumps."""
+        return replace(self, polynomial=self.polynomial[: len(self.polynomial) // 2])
+
     def rate(self, s: Floats) -> Floats:
         """Rate of the strain at s, both [stretch], in units of L / T."""
         return hermite.value(hermite.derivative(self.polynomial), s) / self.spacing

@@ -51,6 +51,9 @@ LEAST = 1e-9
 """Share of the energy of all chains below which a chain has no centre."""
 
 
+NONE = float(np.finfo(np.float64).eps) ** 2
+"""Energy, in units of m V**2, up to which there is none: that of velocities which are rounding errors of V."""
+
 NO_CENTRE = "the chain has no energy"
 
 NO_MODES = "one chain, no foundation that varies in time, or springs that are cubic or differ from row to row"
@@ -159,12 +162,12 @@ class FlowMeter(Meter[list[tuple[Floats, ...]], Flow]):
         energy = motion.bead_energy(block.system_at(chosen), x, v, block.first)
         of_chain = energy.sum(axis=-1, keepdims=True)
         total = of_chain.sum(axis=-2, keepdims=True)
-        share = (of_chain / np.where(total > 0.0, total, np.nan))[..., 0]  # a drive may begin with none
+        share = (of_chain / np.where(total > NONE, total, np.nan))[..., 0]  # a drive may begin with none
         between = np.zeros(len(x))
         for link in block.problem.system.couplings:
             between += np.sum(link.energy(x, block.first), axis=(-2, -1))
         supplied = energy_input(block)[chosen]
-        supplied = np.where(supplied > 0.0, supplied, np.nan)
+        supplied = np.where(supplied > NONE, supplied, np.nan)
         between /= supplied
         with np.errstate(invalid="ignore", divide="ignore"):
             weight = np.where(share > LEAST, 1.0, np.nan)[..., np.newaxis] * energy / of_chain

@@ -451,7 +451,7 @@ def render_data(problem: Problem) -> str:
         count, kinds = sum(np.count_nonzero(kind) for *_, kind in bonds), max(int(kind.max()) for *_, kind in bonds)
         out.write(f"{count} bonds\n{kinds} bond types\n")
     apart = 2.0 * (problem.layout.diameter + physics.gap(system))
-    side = text(apart)
+    side = text(max(apart, _skin(problem) + _opening(problem)))  # of a box smaller than the skin LAMMPS warns
     ends = ends_of_box(system) if system.closing else (0, (beads + 1) * spacing)
     out.write(f"\n{' '.join(map(text, ends))} xlo xhi\n")
     out.write(f"-{side} {text(apart * lines)} ylo yhi\n-{side} {side} zlo zhi\n")

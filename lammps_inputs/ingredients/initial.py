@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, field_serializer, field_validator, model_validator
 
-from lammps_inputs import physics, plugins
+from lammps_inputs import physics, plugins, strict_yaml
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Count, Ingredient, ScenePart, Setting, refuse_outside, table_text
@@ -62,11 +62,13 @@ class Initial(Ingredient):
     chain: Count = 1
     """Chain of the bead."""
     bead: Count | None = None
-    """Number of the bead; or give `table` or `run`."""
-    displacement: Annotated[Displacement | None, Label("initial displacement", "x_0")] = None
-    """Displacement from rest at the start, positive towards higher bead numbers; 0 if omitted."""
-    velocity: Annotated[Velocity | None, Label("initial velocity", "v_0")] = None
-    """Velocity at the start, positive towards higher bead numbers; 0 if omitted. A kick of the bead adds to it."""
+    """Number of the bead; or give a list, `table` or `run`."""
+    displacement: Annotated[Displacement | tuple[Displacement, ...] | None, Label("initial displacement", "x_0")] = None
+    """Displacement from rest at the start, positive towards higher bead numbers, or a list with that of every bead of
+    the chain; 0 if omitted."""
+    velocity: Annotated[Velocity | tuple[Velocity, ...] | None, Label("initial velocity", "v_0")] = None
+    """Velocity at the start, positive towards higher bead numbers, or a list with that of every bead of the chain; 0 if
+    omitted. A kick of the bead adds to it."""
     table: tuple[Row, ...] | None = None
     """Rows [chain, bead, displacement, velocity]; or the name of a CSV file beside the scene with such columns."""
     run: LastFrame | None = None
@@ -91,6 +93,8 @@ class Initial(Ingredient):
         if isinstance(value, dict) and isinstance(value.get("table"), str) and "\n" not in value["table"]:
             return {**value, "table": _read(folder / value["table"])}
         return value
+
+    _from_list = field_validator("displacement", "velocity", mode="before")(strict_yaml.as_tuple)
 
     @field_validator("table", mode="before")
     @classmethod
@@ -140,19 +144,29 @@ class Initial(Ingredient):
             raise ValueError(f"{beside[0]}: give either a table or one bead (both are given)")
         if self.run is not None and (self.table is None or digest_of(self.table) != self.run.sha256):
             raise ValueError("run: the rows of `table` are not those of the run, by their checksum; name the run again")
-        if self.table is None and self.bead is None:
-            raise ValueError("bead: is missing; give the number of a bead, or a table")
+        if self._lists and self.bead is not None:
+            raise ValueError("bead: give either a list with a value of every bead or one bead (both are given)")
+        if len({len(values) for values in self._lists}) > 1:
+            raise ValueError("displacement: the lists of displacements and velocities differ in length")
+        if self.table is None and self.bead is None and not self._lists:
+            raise ValueError("bead: is missing; give the number of a bead, a list of displacements, or a table")
         if self.table is None and not (self.displacement or self.velocity):
             raise ValueError("displacement: is missing; give a displacement, a velocity or both")
         return self
 
     @property
+    def _lists(self) -> list[tuple[float, ...]]:
+        """Lists with a value of every bead of the chain."""
+        return [values for values in (self.displacement, self.velocity) if isinstance(values, tuple)]
+
+    @property
     def rows(self) -> tuple[Row, ...]:
-        """Rows of the table, or that of the one bead."""
+        """Rows of the table, of the lists, or that of the one bead."""
         if self.table is not None:
             return self.table
-        assert self.bead is not None
-        return ((self.chain, self.bead, self.displacement or 0.0, self.velocity or 0.0),)
+        beads = range(1, len(self._lists[0]) + 1) if self._lists else (self.bead or 1,)
+        columns = (np.broadcast_to(values or 0.0, len(beads)).tolist() for values in (self.displacement, self.velocity))
+        return tuple((self.chain, *row) for row in zip(beads, *columns, strict=True))
 
     @property
     def stores(self) -> bool:
@@ -167,8 +181,10 @@ class Initial(Ingredient):
                 f"{key}.run: {self.run.directory} has {self.run.chains} x {self.run.beads} beads, and this scene "
                 f"{setting.chains} x {setting.beads}"
             )
-        if self.table is None:
+        if self.bead is not None:
             refuse_outside(key, self, setting.chains, setting.beads)
+        if any(len(values) != setting.beads for values in self._lists):
+            raise ValueError(f"{key}: has {len(self._lists[0])} values for the {setting.beads} beads of the chain")
         for number, (_, bead, *_) in enumerate(self.table or (), 1):
             if bead > setting.beads:
                 raise ValueError(

@@ -11,7 +11,14 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, field_serializer, field_validator, model_validator
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    field_serializer,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
 
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
@@ -260,6 +267,11 @@ class Drive(OnBead):
     @field_serializer("table", when_used="json-unless-none")
     def _lines_if_long(self, value: tuple[tuple[float, float], ...]) -> Any:
         return _lines_if_long(value)
+
+    @model_serializer(mode="wrap")
+    def _without_phase(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Keys, without the phase of a motion that is not harmonic."""
+        return {key: value for key, value in handler(self).items() if key != "phase" or self.frequency is not None}
 
     @model_validator(mode="after")
     def _of_a_kind(self) -> Self:

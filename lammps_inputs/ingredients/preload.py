@@ -136,6 +136,11 @@ class Gravity(_Load):
                 if setting.part(key) is not None:
                     raise ValueError(f"gravity.settled: beads that fall have no rest with {key}; leave one out")
             return
+        if np.any(setting.gap):
+            raise ValueError(
+                "gap: beads under a static load touch; leave the gap out, or let the beads fall: "
+                f"`gravity: {{acceleration: {self.acceleration:g}, settled: false}}`"
+            )
         super().refuse(setting)
         walls = setting.part("walls")
         if walls is None or not any(link.side > 0.0 for link in walls.links(setting)):

@@ -120,14 +120,14 @@ CASES: dict[str, dict[str, Any]] = {
     },
     "dashpot at an end, damped contacts": {"walls": {"right": {"damping": 0.2}}, "damping": {"contact": 0.02}},
     "closed to rings": {"periodic": True},
-    "closed to rings of sizes, damped": {
+    "closed to rings of sizes": {
         **SIZES,
         "periodic": True,
         "gap": {"mean": 0.2, "spread": 0.8},
         "coupling": None,
-        "damping": {"contact": 0.95, "law": "restitution"},
         "chains": 1,
     },
+    "closed to rings, damped": {"periodic": True, "damping": LOSSES["viscoelastic"]},
     "closed to rings, random contacts, resonators": strength(
         RANDOM, periodic=True, resonators={"mass": 0.3, "stiffness": 0.8}
     ),

@@ -103,10 +103,13 @@ class Formula:
 
     @property
     def first(self) -> tuple[float, float]:
-        """A and p of ``A overlap**p``, as which it begins: 1.5 where it is cut, else 1."""
-        if self.cut:
-            return self(self.way * 1e-20) / 1e-30, 1.5
-        return self.way * self(1e-30j).imag / 1e-30, 1.0
+        """A and p of ``A overlap**p``, as which it begins; p is 1 where it is not cut."""
+        if not self.cut:
+            return self.way * self(1e-30j).imag / 1e-30, 1.0
+        small = 1e-12
+        slope, other = (self(self.way * (s + 1e-30j)).imag / 1e-30 for s in (small, 2.0 * small))
+        p = 1.0 + round(math.log2(other / slope), 6)
+        return slope / (p * small ** (p - 1.0)), p
 
     def scaled(self, unit: Units) -> Any:
         def force(s: Any) -> Any:
@@ -489,6 +492,7 @@ def nature(scene: Scene) -> Nature:
         pushes=_pushes(scene, unit),
         moved=moved,
         start=start,
+        bed=1.0 if soft is None else _within(soft.rows, scene) + np.zeros_like(mass),
         stiffness=stiffness,
         bends=bends,
         closed=bool(scene.periodic),
@@ -524,10 +528,13 @@ def _with_resonators(scene: Scene, own: Nature) -> Nature:
     if np.ndim(own.gap):
         wide["gap"] = np.pad(own.gap, more)
     coefficient, power = own.loss
+    over_time = own.stiffness and (lambda time: np.pad(own.stiffness(time), more))
     return replace(
         own,
         mass=np.concatenate(masses),
         **wide,
+        bed=np.pad(own.bed, more) if np.ndim(own.bed) else own.bed,
+        stiffness=over_time,
         ground=tuple(np.pad(part, more) for part in own.ground),
         walls=[
             replace(wall, **{n: np.pad(getattr(wall, n), more[0]) for n in ("strength", "rest", "loss")})

@@ -87,6 +87,7 @@ class Nature:
         hold: force from outside at rest, [chain, bead].
         springs: (chain, other chain, stiffness of each row, cubic stiffness), chains from 0.
         ground: stiffness and cubic stiffness of the springs to the ground, [chain, bead].
+        bed: 1 where there is a foundation by formula, 0 elsewhere.
         stiffness: over them, the stiffness at a time, where that depends on it.
         bends: times at which it does so abruptly.
         walls: those that there are.
@@ -120,6 +121,7 @@ class Nature:
     moved: list[Moved]
     start: Floats
     displaced: Any = 0.0
+    bed: Any = 1.0
     stiffness: Any = None
     bends: tuple[float, ...] = ()
     inner: tuple[tuple[int, int, Any, Any], ...] = ()
@@ -144,7 +146,7 @@ class Nature:
         """Force of contacts, that at rest and the dashpots' included."""
         closed = np.maximum(self.overlap(x), 0.0)
         if "contact" in self.formulas:
-            return np.asarray(self.formulas["contact"](self.overlap(x)))
+            return np.asarray(self.strength * self.formulas["contact"](self.overlap(x)))
         push = self.strength * _power(closed, self.exponent)
         coefficient, power = self.loss
         if self._has["loss"]:
@@ -155,7 +157,7 @@ class Nature:
         """Force of a wall, [..., chain], that at rest and the dashpots' included."""
         closed = np.maximum(wall.rest + wall.side * x[..., wall.bead] - self.wall_gap, 0.0)
         if "contact" in self.formulas:
-            return np.asarray(self.formulas["contact"](wall.side * x[..., wall.bead] - self.wall_gap))
+            return np.asarray(wall.strength * self.formulas["contact"](wall.side * x[..., wall.bead] - self.wall_gap))
         push = wall.strength * _power(closed, self.exponent)
         if self._has["loss"]:
             loss = np.where(closed > 0.0, wall.loss * closed ** self.loss[1], 0.0)
@@ -178,7 +180,7 @@ class Nature:
         stored += [0.5 * stiffness * (x[other] - x[one]) ** 2 for one, other, stiffness, _ in self.inner]
         stored.append(0.5 * self.ground[0] * x**2 + 0.25 * self.ground[1] * x**4)
         if "foundation" in self.formulas:
-            stored.append(_integrals(self.formulas["foundation"], x))
+            stored.append(self.bed * _integrals(self.formulas["foundation"], x))
         return max(float(np.max(energy)) for energy in stored)
 
     def acceleration(self, time: float, x: Floats, v: Floats) -> Floats:
@@ -206,7 +208,7 @@ class Nature:
             stiffness = self.ground[0] if self.stiffness is None else self.stiffness(time)
             force -= stiffness * x + self.ground[1] * x**3
         if "foundation" in self.formulas:
-            force -= self.formulas["foundation"](x)
+            force -= self.bed * self.formulas["foundation"](x)
         for wall in self.walls:
             force[..., wall.bead] -= wall.side * self.at_wall(wall, x, v)
         for push in self.pushes:

@@ -117,12 +117,24 @@ def test_a_table_of_a_file_may_leave_columns_and_cells_out_and_is_part_of_the_sc
     assert library.from_plain(long.plain(), "x") == long
 
 
+def test_lists_have_the_values_of_the_beads_of_a_chain():
+    case = scene({}, chains=2, initial={"chain": 2, "displacement": [0.25, 0.0], "velocity": [0.0, -0.5]})
+    assert case.initial[0].rows == ((2, 1, 0.25, 0.0), (2, 2, 0.0, -0.5))
+    listed = physics.initial_state(case.problem().system)
+    by_bead = [{"chain": 2, "bead": 1, "displacement": 0.25}, {"chain": 2, "bead": 2, "velocity": -0.5}]
+    np.testing.assert_array_equal(listed, physics.initial_state(scene({}, chains=2, initial=by_bead).problem().system))
+    assert library.from_plain(case.plain(), "x") == case
+
+
 @pytest.mark.parametrize(
     ("initial", "message"),
     [
         ({"bead": 3, "displacement": 0.1}, "initial.bead: 3 is outside the array (beads 1 to 2)"),
         ({"bead": 1}, "displacement: is missing; give a displacement, a velocity or both"),
-        ({"displacement": 1.0}, "bead: is missing; give the number of a bead, or a table"),
+        ({"displacement": 1.0}, "bead: is missing; give the number of a bead, a list of displacements, or a"),
+        ({"displacement": [0.1]}, "initial: has 1 values for the 2 beads of the chain"),
+        ({"displacement": [0.1, 0.2], "velocity": [0.1]}, "the lists of displacements and velocities differ in length"),
+        ({"bead": 1, "velocity": [0.1, 0.2]}, "bead: give either a list with a value of every bead or one bead"),
         ({"bead": 1, "table": [[1, 1, 0.0, 1.0]]}, "bead: give either a table or one bead (both are given)"),
         ({"table": [[1, 1, 0.0, 1.0], [1, 1, 0.1, 0.0]]}, "initial.table: names bead 1 of chain 1 twice"),
         ({"table": [[2, 1, 0.0, 1.0]]}, "initial: chain 2 is outside the array (1 to 1;"),

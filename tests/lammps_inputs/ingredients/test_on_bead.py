@@ -59,6 +59,13 @@ def test_a_scene_with_pushes_survives_being_written_down():
     assert "kick" not in pushed().plain()
 
 
+def test_a_piston_is_written_down_without_a_phase_and_a_harmonic_motion_with_it():
+    piston, harmonic = {"velocity": 0.5}, {"bead": 2, "displacement": 0.1, "frequency": 0.1}
+    keys = {"name": "driven", "beads": 3, "duration": 5.0, "drive": [piston, harmonic]}
+    written = library.from_plain(keys, "x").plain()["drive"]
+    assert ["phase" in drive for drive in written] == [False, True]
+
+
 def test_a_table_is_read_from_beside_the_scene_and_written_into_it(tmp_path):
     (tmp_path / "force.csv").write_text("time,force\n0,0\n1.5; 2\n3,0\n\n")
     (tmp_path / "a.yaml").write_text("name: a\nbeads: 20\nduration: 10\npush: {table: force.csv}\n")

@@ -244,7 +244,6 @@ def test_walls_as_far_as_the_next_bead_are_read_and_those_that_are_not_reached_a
 
 REFUSED = {
     "one grain": ("create_atoms 1 single 2.5 0 0\n", "", "there is one sphere at the first run"),
-    "a moving wall": ("xplane 0 3.5", "xplane 0 3.5 wiggle x 0.1 1", "a wall that moves is a bead at the end"),
     "LIGGGHTS": (
         "set atom 1 vx 0.97",
         "fix m all property/global youngsModulus peratomtype 5e9",

@@ -327,6 +327,19 @@ def test_a_damped_contact_is_read_with_its_dashpot(g):
     assert readings.contacts[0, 0] == 1
 
 
+def test_the_largest_force_of_a_sensor_may_be_the_jump_of_one_contact_while_the_other_is_closed():
+    """Bead 2 reaches bead 3 while bead 1 presses on it; the dashpot's force falls from its largest at once."""
+    kicks = [{"bead": 1, "velocity": 1.0}, {"bead": 2, "velocity": 0.9}]
+    keys = {"beads": 3, "walls": None, "gap": [0.0, 0.16], "damping": {"contact": 2.0}, "kick": kicks, "duration": 3.0}
+    fine = engine.run(walled(**keys, output={"every": 0.001}))
+    close, far = (
+        readings_of(replace(fine[::stride], problem=fine.problem.coarser(stride)), wall=False, sensors=(2,))
+        for stride in (1, 50)
+    )
+    assert np.max(np.diff(close.force[:, 0, 0])) > 0.9  # it jumps
+    assert 1e-3 < abs(far.largest - close.largest)[0, 0] < far.largest_error[0, 0] < 1e-2
+
+
 # --- traces as they would have been measured --------------------------------------------------------------------------
 
 

@@ -14,7 +14,7 @@ uncertain is not stated.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -91,12 +91,14 @@ class _Values(Columns):
         place: position of the gauge.
         time: time of the value, in units of T.
         force: the force, in units of m V / T.
+        error: uncertainty of a force that jumps, beside that of polynomials; 0 of others.
     """
 
     chain: Integers
     place: Integers
     time: Floats
     force: Floats
+    error: Floats
 
 
 class PartReadings(NamedTuple):
@@ -165,6 +167,7 @@ class _Forces:
         changes: moments at which contacts close or open.
         closed: [chain, gauge] whether the contact is closed at the first frame.
         largest, at: [chain, gauge] largest force, and its time.
+        jump_error: [chain, gauge] uncertainty of the largest force where it jumps, beside that of polynomials.
         static: [chain, gauge] force at rest.
     """
 
@@ -177,6 +180,7 @@ class _Forces:
     closed: Flags
     largest: Floats
     at: Floats
+    jump_error: Floats
     static: Floats
 
     def around(self, errors: Floats, time: float) -> float:
@@ -195,7 +199,7 @@ class _Forces:
         if len(self.time) > 2:
             for chain, place in np.ndindex(*self.largest.shape):
                 error[chain, place], late[chain, place] = self._largest_error(chain, place)
-        return error, late
+        return error + self.jump_error, late
 
     def _largest_error(self, chain: int, place: int) -> tuple[float, float]:
         """Uncertainties of the largest force of one chain and gauge, both by position, and of its time."""
@@ -349,8 +353,8 @@ class _Stretches:
         size = np.mean(np.abs(self.forces - self.gauge.static[chain]), axis=0) * self.spacing
         return np.stack([self.forces.max(axis=0), impulse, quadrature, size])
 
-    def changes(self) -> tuple[_Changes, _Values]:
-        """Moments at which contacts close or open, and forces of dashpots that jump there."""
+    def changes(self) -> _Changes:
+        """Moments at which contacts close or open; of a sensor, when the first closes and the last opens."""
         shut, count = self.elastic > CLOSED, len(self.curves)
         panel, entry = np.nonzero(shut[:-1] != shut[1:])
         before, changing = shut[panel, entry], [curve.of(entry) for curve in self.curves]
@@ -362,10 +366,29 @@ class _Stretches:
         at = hermite.change(closed, before, self.border[panel], self.border[panel + 1])
         rate = np.abs(np.sum([curve.rate(at) for curve in changing], axis=0) / count)
         time = self.start[entry] + at * self.spacing
-        changes = _Changes(self.chain[entry], np.full(len(entry), self.place), time, ~before, rate)
-        # a dashpot's force may jump to its largest where a contact closes
-        jumps = ~before & self.gauge.damped
-        return changes, self._values(entry[jumps], np.minimum(at[jumps] + _JUST, 1.0))
+        return _Changes(self.chain[entry], np.full(len(entry), self.place), time, ~before, rate)
+
+    def jumps(self) -> _Values:
+        """Forces where any of the contacts closes: that of its dashpot may jump to its largest there."""
+        entries, instants = [self.moving[:0]], [self.border[:0]]
+        for curve in self.curves if self.gauge.damped else ():
+            moving = curve.of(self.moving)
+            shut = np.stack([moving.elastic(np.full(len(self.moving), s)) for s in self.border]) > CLOSED
+            panel, place = np.nonzero(~shut[:-1] & shut[1:])
+            closing = moving.of(place)
+            at = hermite.change(
+                lambda s, closing=closing: closing.elastic(s) > CLOSED,  # type: ignore[misc]
+                np.False_,
+                self.border[panel],
+                self.border[panel + 1],
+            )
+            entries.append(self.moving[place])
+            instants.append(np.minimum(at + _JUST, 1.0))
+        entry, s = np.concatenate(entries), np.concatenate(instants)
+        values = self._values(entry, s)
+        # polynomials go through the jump of the acceleration, and those of the frame before do not
+        before = replace(self, curves=[curve.up_to_a_jump() for curve in self.curves])
+        return replace(values, error=np.abs(before.mean(entry, s) - values.force))
 
     def nearly_largest(self, so_far: Floats) -> _Values:
         """Maxima between frames where borders are nearly the largest, or what is already known, [chain]."""
@@ -380,7 +403,7 @@ class _Stretches:
     def _values(self, entry: Integers, s: Floats) -> _Values:
         """Forces at s in chosen stretches, both [entry]."""
         place, time = np.full(len(entry), self.place), self.start[entry] + s * self.spacing
-        return _Values(self.chain[entry], place, time, self.mean(entry, s))
+        return _Values(self.chain[entry], place, time, self.mean(entry, s), np.zeros(len(entry)))
 
 
 @dataclass(frozen=True)
@@ -403,7 +426,7 @@ class ForceMeter(Meter[PartReadings, Readings]):
         time, force = (values[before : before + part.count].copy() for values in (block.time, every_force))
         highest = np.max(force, axis=0)
         chain, place = (index.ravel() for index in np.indices(highest.shape))
-        values = [_Values(chain, place, time[np.argmax(force, axis=0)].ravel(), highest.ravel())]
+        values = [_Values(chain, place, time[np.argmax(force, axis=0)].ravel(), highest.ravel(), 0.0 * chain)]
         changes = [_Changes(chain[:0], place[:0], time[:0], time[:0] > 0.0, time[:0])]
         intervals, step = block.frames - 1 - before, max(1, MOST_ENTRIES // self.problem.chains)
         between = np.zeros((4, intervals, *highest.shape))
@@ -415,8 +438,8 @@ class ForceMeter(Meter[PartReadings, Readings]):
                 frames = slice(before + start, before + start + step + 1)
                 stretches = _stretches(gauge, number, contacts, block, frames)
                 between[:, start : start + step, :, number] = stretches.totals().reshape(4, -1, len(highest))
-                changed, jumps = stretches.changes()
-                changes.append(changed)
+                changes.append(stretches.changes())
+                jumps = stretches.jumps()
                 so_far = highest[:, number].copy()
                 np.maximum.at(so_far, jumps.chain, jumps.force)
                 values += [jumps, stretches.nearly_largest(so_far)]
@@ -464,8 +487,9 @@ class ForceMeter(Meter[PartReadings, Readings]):
             strain_error = force_error = np.full(force.shape, np.inf)
         values = together([piece.values for piece in pieces])
         values = values.where(np.lexsort((-values.time, values.force)))
-        largest, at = np.empty((2, *force.shape[1:]))
-        largest[values.chain, values.place], at[values.chain, values.place] = values.force, values.time  # the last stay
+        largest, at, jump_error = np.empty((3, *force.shape[1:]))
+        for kept, column in ((largest, values.force), (at, values.time), (jump_error, values.error)):
+            kept[values.chain, values.place] = column  # the last stay
         return _Forces(
             time,
             force,
@@ -476,6 +500,7 @@ class ForceMeter(Meter[PartReadings, Readings]):
             pieces[0].closed,
             largest,
             at,
+            jump_error,
             np.stack([gauge.static for gauge in self.gauges], axis=-1),
         )
 

@@ -147,7 +147,9 @@ def _with_motions(workplace: Workplace, measured: Measured, executed: Executed, 
     motions, held = {}, measured.held.copy()
     for (chain, bead), atom in zip(driven.tolist(), ids.tolist(), strict=True):
         path_of_bead = moved[:, int(np.searchsorted(np.sort(ids), atom))]
-        motion = GivenMotion(time, np.asarray(path_of_bead - path_of_bead[0], dtype=np.float64))
+        motion = GivenMotion(
+            np.asarray(time, dtype=np.float64), np.asarray(path_of_bead - path_of_bead[0], dtype=np.float64)
+        )
         if motion.none:
             held[chain, bead] = True
         else:
@@ -245,7 +247,8 @@ def _of_run(executed: Executed, first: int) -> list[str]:
     place, _ = executed.runs[first]
     return [
         f"{executed.commands[place].place}: the scene begins with run {first + 1}, from the state in which the runs "
-        "before leave the beads (key `initial`); a scene of those, and `initial: {run: DIRECTORY}` in one of these, are two"
+        "before leave the beads (key `initial`); for two scenes, write one of those, and `initial: {run: DIRECTORY}` "
+        "in that of these"
     ]
 
 

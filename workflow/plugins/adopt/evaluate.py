@@ -193,8 +193,9 @@ def _failed(error: Exception) -> int:
 
 def explained(error: str) -> str:
     """Message of LAMMPS, with what to do where that is known."""
-    lost = error.startswith("Lost atoms")
-    return f"{error}: a bead leaves the box, or passes through a wall; make the box larger, or the run shorter" if lost else error
+    if error.startswith("Lost atoms"):
+        return f"{error}: a bead leaves the box, or passes through a wall; make the box larger, or the run shorter"
+    return error
 
 
 def refuse_error(executed: Executed, path: Path) -> None:

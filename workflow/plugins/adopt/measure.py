@@ -127,7 +127,7 @@ class Atoms:
         return members
 
     def box(self, axis: int) -> tuple[float, float, bool]:
-        """Lower and upper face of the box along an axis, and whether it is periodic or follows the atoms."""
+        """Lower and upper face of the box along an axis, and whether it is periodic."""
         low, high, *_, periodic, _ = self._lmp.extract_box()
         return float(low[axis]), float(high[axis]), bool(periodic[axis])
 
@@ -206,8 +206,11 @@ def _pushed(atoms: Atoms, axis: int, chains: Integers) -> NDArray[np.bool_]:
 
 def _reference(atoms: Atoms, axis: int, chains: Integers, inner: list[Inner], free: NDArray[np.bool_]) -> Floats | None:
     """Places along the axis from which displacements are counted, [atom], of a start away from rest; None without."""
-    low, high, periodic = atoms.box(axis)
     margin = 1e-6 * float(np.min(atoms.radius))
+    atoms.forces(axis)
+    low, high, periodic = atoms.box(axis)
+    atoms.forces(axis, margin)
+    open_ended = periodic or atoms.box(axis)[:2] != (low, high)  # a box that follows the atoms
     lines = reference_places.Lines(
         forces=lambda displacement: atoms.forces(axis, displacement),
         start=atoms.start[:, axis].copy(),
@@ -215,9 +218,12 @@ def _reference(atoms: Atoms, axis: int, chains: Integers, inner: list[Inner], fr
         lines=np.array([*chains, *(part.atoms for part in inner)]),
         radius=atoms.radius[chains],
         free=free,
-        limits=(-math.inf, math.inf) if periodic else (low + margin, high - margin),
+        limits=(-math.inf, math.inf) if open_ended else (low + margin, high - margin),
     )
-    return reference_places.reference(lines)
+    try:
+        return reference_places.reference(lines)
+    except NotMeasuredError:  # the search went to places where forces are none of a chain
+        return None
 
 
 def _bonds(lmp: Any, ids: Integers) -> Integers:

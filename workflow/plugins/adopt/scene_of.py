@@ -481,8 +481,8 @@ class SceneKeys:
         if np.any(small & ((x != 0.0) | (velocity != 0.0))):
             self.notes.append(
                 f"what the relaxation leaves of {np.count_nonzero(small)} beads, at most "
-                f"{np.max(np.abs(velocity[small])):.1e} of velocity and {np.max(np.abs(x[small])):.1e} of displacement, "
-                "is left out"
+                f"{np.max(np.abs(velocity[small])):.1e} of velocity and {np.max(np.abs(x[small])):.1e} of "
+                "displacement, is left out"
             )
         return np.where(near, 0.0, x), np.where(small, 0.0, velocity)
 
