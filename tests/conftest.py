@@ -16,13 +16,14 @@ import gc
 import os
 import signal
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import bytecode  # noqa: F401  (first: what follows is then compiled once)
 import executables
 import pytest
+from golden import RELATIVE, compare
 from hypothesis import HealthCheck, settings
 from lammps_here import run
 from processes import HANGS
@@ -47,6 +48,11 @@ AS_LONG_AS = 300
 for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGQUIT, signal.SIG_DFL)):
     if signal.getsignal(number) == signal.SIG_IGN:  # of a suite in the background; commands would inherit it
         signal.signal(number, usual)
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Let golden texts be written anew."""
+    parser.addoption("--update-golden", action="store_true", help="write the golden texts of the tests that run anew")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -80,6 +86,17 @@ def pytest_collection_finish() -> None:
     """Let the garbage collector search no more what was imported: a tenth of the time of short tests."""
     gc.collect()
     gc.freeze()
+
+
+@pytest.fixture
+def golden(request: pytest.FixtureRequest) -> Callable[..., None]:
+    """A function (name, text): compares a text with ``golden/NAME.txt`` beside the test, see golden.py in support."""
+
+    def compared(name: str, text: str, masks: Mapping[str, str] | None = None, relative: float = RELATIVE) -> None:
+        file, update = request.path.parent / "golden" / f"{name}.txt", request.config.getoption("--update-golden")
+        compare(file, text, update=update, masks=masks or {}, relative=relative)
+
+    return compared
 
 
 @pytest.fixture(scope="session")

@@ -1,19 +1,24 @@
-"""Figures hold what they were given, labelled, and warn of nothing."""
+"""Figures of runs and of studies, each as a table of what it shows (folder `golden`), and the numbers behind them."""
 
+import functools
+import subprocess
+import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_rgb
-from matplotlib.text import Text
+from figure_table import assert_shown, at_both_widths
 from small_problems import problem as small
+from stock_lammps import scene
 from synthetic_waves import of_keys, reference, surveyed
 
+from analysis.compare.difference import Deviation, ErrorMap
 from analysis.conservation import Account
 from analysis.figures.drawing import draw
+from analysis.figures.errors import residual_figure, validation_figure
 from analysis.figures.panels import (
-    MAX_PANELS,
+    BEAD,
     Axis,
     AxisUnit,
     Curve,
@@ -21,336 +26,428 @@ from analysis.figures.panels import (
     Panel,
     Sheet,
     axis_unit,
+    curves_of,
     shown_chains,
+    title,
 )
 from analysis.figures.spacetime import HistoryMeter, RootScale, space_time_meter, spacetime_sheet
-from analysis.figures.style import CHAIN_DASHES
+from analysis.figures.studies import Sought, StudyAxis, histogram_figure, logarithmic, map_figure, swept_figure
+from analysis.figures.style import picture
 from analysis.figures.waves import distance_sheet, passage, pulses, response_sheet, shape_sheet, time_title
-from analysis.sharing.energies import Flow
-from analysis.sharing.survey import survey
-from lammps_inputs import Kick
+from analysis.files.traces import Channel, Traces
+from analysis.gauges.gauge import gauges
+from analysis.shape.waveforms import Passages
+from analysis.sharing.energies import Flow, ShareMeter
+from analysis.sharing.equipartition import Sharing
+from analysis.statistics import histogram, statistics
+from analysis.tracking.leading_waves import with_speeds
+from analysis.trajectory import Trajectory
+from lammps_inputs import Kick, Material, physics
 from lammps_inputs.units import Label, make_scale
 from workflow.engines.reference import engine
-from workflow.formats import written_as
 from workflow.measures.budget import BudgetMeasurement
 from workflow.measures.energy import EnergyMeasurement
+from workflow.measures.forces.measurement import ForceMeasurement
+from workflow.measures.forces.readings import Readings
 from workflow.measures.plastic import PlasticMeasurement, YieldTable
-from workflow.runs.figures import write_figure
+from workflow.measures.spectra import SpectrumMeasurement, VelocitySpectra
+
+STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
+CHAINS = 12
+"""More than a figure shows, so that places and numbers of chains differ."""
+
+# --- problems and motions ---------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def found():
-    return surveyed(reference(2, 0.1, 60, 80.0))
+def hit(si=False, chains=2, kicked=1, velocity=3.0, **changes):
+    """Chains of ten beads; eight frames, 0.5 T apart."""
+    options = {"chains": chains, "kick": (Kick(chain=kicked, velocity=velocity),), "material": STEEL if si else None}
+    unit = scene(**options).scale.time
+    return scene(**{"beads": 10, **options, "duration": 4.0 * unit, "every": 0.5 * unit, **changes}).problem()
 
 
-def curves(axis):
-    """Label -> curve of an axis; reference lines are left out."""
-    return {line.get_label(): line for line in axis.get_lines() if not line.get_label().startswith("_")}
+def moving(problem, chain, bead, frame):
+    """One bead of one chain moves, in one frame, with 0.5 V."""
+    v = np.zeros((problem.frames + 1, problem.chains, problem.rows.count))
+    v[frame, chain - 1, problem.rows.numbers.tolist().index(bead)] = 0.5
+    return Trajectory(problem, np.arange(problem.frames + 1) * problem.every, np.zeros_like(v), v)
 
 
-def legends(figure):
-    """Labels in all legends of a figure."""
-    found = [*figure.legends, *(legend for axis in figure.axes if (legend := axis.get_legend()))]
-    return [text.get_text() for legend in found for text in legend.get_texts()]
+@functools.cache
+def ran():
+    """Two chains of 60 beads by the reference, and what is measured of them."""
+    trajectory = reference(2, 0.1, 60, 80.0)
+    return trajectory, surveyed(trajectory)
+
+
+@functools.cache
+def of_twenty():
+    return reference(20, 0.2, 20, 5.0, kicks=[Kick(chain=14, velocity=1.0)])
 
 
 def history(trajectory, beads, frames=None):
     return HistoryMeter(trajectory.problem, np.array(beads)).read([trajectory[:frames]])
 
 
-def spacetime(trajectory, frames=None):
-    return space_time_meter(trajectory.problem).read([trajectory[:frames]])
+def maps(trajectory, frames=None):
+    return draw(spacetime_sheet(space_time_meter(trajectory.problem).read([trajectory[:frames]])))
 
 
-def test_the_distance_figure_shows_the_energies_of_waves_and_chains(found):
-    _, waves, chains, _ = draw(distance_sheet(found.problem, found.shared, found.energies)).axes
-    for k, name in enumerate(("chain 1", "chain 2")):
-        assert np.array_equal(curves(waves)[name].get_ydata(), found.energies.wave[:, k], equal_nan=True)
-        assert np.array_equal(curves(chains)[name].get_ydata(), found.energies.chain[:, k])
+def distances(problem, shared, direction=1):
+    return draw(distance_sheet(problem, shared, ShareMeter(problem, shared).result([]), direction))
 
 
-def test_the_distance_figure_has_no_panel_without_a_curve():
-    recorded = {"beads": [5, 9, 12], "every": 0.2}  # which have no energy, and with a gap no exact waves
-    keys = {"coupling": {"stiffness": 0.1}, "kick": {"velocity": 1.0}, "output": recorded}
-    few = surveyed(engine.run(of_keys(chains=2, beads=20, gap=0.5, duration=40.0, **keys)))
-    panels = distance_sheet(few.problem, few.shared, few.energies).panels
-    assert len(panels) == 2
-    assert all(panel.curves for panel in panels)
+def distances_of(trajectory):
+    found = surveyed(trajectory)
+    return draw(distance_sheet(found.problem, found.shared, found.energies, found.direction))
 
 
-def test_chains_differ_by_dash_in_every_panel_so_that_grey_tells_them(found):
-    for axis in draw(distance_sheet(found.problem, found.shared, found.energies)).axes:
-        one, two = (curves(axis)[name] for name in ("chain 1", "chain 2"))
-        assert one.get_linestyle() != two.get_linestyle()
-    assert len({str(dash) for dash in CHAIN_DASHES}) == MAX_PANELS
+# --- figures of a run -------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("recorded", "chains", "kick"),
-    [
-        ("all", 1, Kick(velocity=1.0)),
-        ((4, 11, 20), 2, Kick(velocity=1.0)),
-        ((4, 11, 20), 1, Kick(bead=30, velocity=-1.0)),
-        ("all", 9, Kick(bead=30, velocity=-1.0)),
-    ],
-)
-def test_any_scene_of_steel_beads_is_drawn_with_prefixed_units_and_a_curve_for_each_entry_of_a_legend(
-    recorded, chains, kick
-):
-    trajectory = reference(chains, 0.1, 30, 40.0, recorded=recorded, kicks=[kick])
-    steel = replace(trajectory.problem, scale=make_scale(3.6e-3, 1.4e10, 0.01, si=True))
-    trajectory = replace(trajectory, problem=steel)
-    result = survey(trajectory.blocks, steel)
-    distance = draw(distance_sheet(steel, result.shared, result.energies, result.direction))
-    response = draw(response_sheet(history(trajectory, (4, 11, 20)), result.waves))
-    label = response.get_supylabel() or response.axes[0].get_ylabel()
-    assert (response.axes[-2].get_xlabel(), label) == (
-        "time $t$ (\N{MICRO SIGN}s)",
-        "velocity $v$ (mm/s)",
-    )
-    for figure in (distance, response, draw(shape_sheet(steel, result.waveforms, [11, 20]))):
-        drawn = {name for axis in figure.axes for name in curves(axis)}
-        assert set(legends(figure)) == (drawn if len(drawn) > 1 else set())
-        assert all(any(len(line.get_xdata()) for line in axis.get_lines()) for axis in figure.axes)
-        figure.draw_without_rendering()
-    for axis in (*distance.axes, *response.axes):  # a number has no power of ten
-        assert axis.xaxis.get_offset_text().get_text() == axis.yaxis.get_offset_text().get_text() == ""
+def distances_in_si():
+    """Peaks and arrivals at beads 2 to 5, all different; the lag is 0.25 T."""
+    problem, bead = hit(si=True), np.arange(2, 6)
+    arrival = np.stack([1.2 * bead, 1.2 * bead + 0.25], axis=1)
+    amplitude = 0.4 + 0.01 * np.arange(8.0).reshape(4, 2)
+    return distances(problem, Sharing(0, bead, arrival, amplitude, physics.energy(problem.system)), direction=-1)
 
 
-def test_no_legend_lies_over_data():
-    result = surveyed(reference(9, 0.2, 30, 40.0))
-    figure = draw(distance_sheet(result.problem, result.shared, result.energies))
-    figure.draw_without_rendering()
-    boxes = [legend.get_window_extent() for legend in figure.legends]
-    boxes += [legend.get_window_extent() for axis in figure.axes if (legend := axis.get_legend())]
-    assert len(boxes) == 1
-    for axis in figure.axes:
-        inside = axis.get_window_extent()
-        assert all(min(inside.y1, box.y1) - max(inside.y0, box.y0) < 1.0 for box in boxes)
+def distances_with_gaps():
+    """No pulse leads at some beads, and beside bead 30 on either side."""
+    problem = hit(chains=1, kappa=0.0, beads=40)
+    bead = np.array([*range(2, 20), *range(25, 28), 30, *range(33, 36)])
+    ones = np.ones((len(bead), 1))
+    return distances(problem, Sharing(0, bead, bead[:, np.newaxis] * ones, 0.4 * ones, physics.energy(problem.system)))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("hit", [1, 14])
-def test_of_many_chains_the_one_that_was_hit_is_shown_and_the_title_says_which(hit):
-    trajectory = reference(20, 0.2, 20, 5.0, kicks=[Kick(chain=hit, velocity=1.0)])
-    shown = shown_chains(trajectory.problem)
-    assert (len(shown), shown) == (MAX_PANELS, sorted(set(shown)))
-    assert {0, 19, hit - 1} <= set(shown)
-    for figure in (draw(spacetime_sheet(spacetime(trajectory))), draw(response_sheet(history(trajectory, (1,))))):
-        assert f"(chains {', '.join(str(chain + 1) for chain in shown)} are shown)" in figure.get_suptitle()
-    panels = draw(spacetime_sheet(spacetime(trajectory))).axes[:MAX_PANELS]
-    assert [axis.get_title(loc="left")[4:] for axis in panels] == [f"chain {chain + 1}" for chain in shown]
-    fastest = [float(axis.get_images()[0].get_array().max()) for axis in panels]
-    assert fastest.index(max(fastest)) == shown.index(hit - 1)
-    lines = curves(draw(response_sheet(history(trajectory, (1,)))).axes[0])
-    assert np.array_equal(lines[f"chain {hit}"].get_ydata(), trajectory.velocity[:, hit - 1, 0])
+def distances_that_agree():
+    """Peaks are within 1 % from bead 62 on."""
+    amplitude = np.full((80, 2), 0.3)
+    amplitude[:60, 0] *= 1.0 + 0.05 * np.cos(np.arange(60))
+    problem = hit(beads=100)
+    shared = Sharing(0, np.arange(2, 82), np.zeros((80, 2)), amplitude, physics.energy(problem.system))
+    assert shared.agrees_from(0.01) == 62
+    return distances(problem, shared)
 
 
-def test_velocities_of_both_signs_are_seen_and_only_the_bead_that_was_hit_is_cut_off():
-    trajectory = reference(2, 0.1, 60, 110.0)
-    panel = draw(spacetime_sheet(spacetime(trajectory))).axes[0]
-    (image,) = panel.get_images()
-    low, high = image.get_clim()
-    assert low == -high
-    far = trajectory.velocity[:, :, 6:]
-    assert high == pytest.approx(np.abs(far).max())
-    shade = image.norm(np.array([-0.06, 0.0, 0.06])).tolist()
-    assert shade[1] == 0.5
-    assert min(0.5 - shade[0], shade[2] - 0.5) > 0.1  # the tail is a good part of the scale away from nothing
+def distances_without_energies():
+    """Recorded beads have no energy, and with a gap there are no exact waves."""
+    keys = {"coupling": {"stiffness": 0.1}, "kick": {"velocity": 1.0}, "output": {"beads": [5, 9, 12], "every": 0.2}}
+    return distances_of(engine.run(of_keys(chains=2, beads=20, gap=0.5, duration=40.0, **keys)))
 
 
-def test_beside_the_whole_run_the_passage_of_the_leading_pulse_of_the_kicked_chain_is_shown_close_up(found):
-    trajectory = reference(2, 0.1, 60, 80.0)
-    whole, near = draw(response_sheet(history(trajectory, (50,)), found.waves)).axes
-    assert np.ptp(curves(whole)["chain 1"].get_xdata()) == pytest.approx(80.0)
-    x, y = curves(near)["chain 1"].get_data()
-    assert np.ptp(x) < 15.0
-    at = found.waves.at(50)
-    assert y.max() == pytest.approx(at.peak_velocity[0], abs=2e-3)
-    assert abs(x[np.argmax(y)]) < 0.5
-    assert near.get_title(loc="left") == f"(b) arrival {at.arrival[0]:#.4g}"
-    assert near.get_xlabel() == "time after arrival\nin chain 1 (reduced)"
+def response_in_si():
+    problem = hit(si=True)
+    waves = with_speeds(np.array([1]), np.array([8]), np.array([5 * problem.every]), np.array([0.5]))
+    return draw(response_sheet(history(moving(problem, 2, 8, 5), (3, 8)), waves))
 
 
-def test_the_passage_is_that_of_the_leading_pulse_also_where_a_later_one_is_larger():
+def response_where_a_later_pulse_is_larger():
     trajectory = reference(1, 0.0, 30, 60.0)
-    first = surveyed(trajectory).waves
     late = replace(trajectory, velocity=trajectory.velocity - 2.0 * trajectory.velocity[::-1])
-    _, near = draw(response_sheet(history(late, (15,)), first)).axes
-    assert near.get_title(loc="left") == f"(b) arrival {first.at(15).arrival[0]:#.4g}"
+    return draw(response_sheet(history(late, (15,)), surveyed(trajectory).waves))
 
 
-def test_the_passage_of_a_pulse_with_a_plateau_is_shown_to_its_end():
-    time = np.arange(0.0, 60.0, 0.1)
-    rise, fall = (0.5 * (1.0 + np.tanh(2.0 * (time - instant))) for instant in (20.0, 30.0))
-    low, high = passage(time, rise - fall, 20.0)
-    assert low < 19.0
-    assert 31.0 < high < 40.0
+def shape_by_hand():
+    """Velocity falls in time, from 0.3 to 0.1 in chain 1 and half of that in chain 2; peaks of 1, at t = 3."""
+    both, ones = np.array([1, 2]), np.ones(2)
+    passages = Passages(both, np.array([5, 5]), 3.0 * ones, ones, ones, np.ones(2, dtype=np.int64), *np.zeros((3, 2)))
+    time, velocity = np.tile([2.0, 3.0, 4.0], (2, 1)), np.outer([1.0, 0.5], [0.3, 0.2, 0.1])
+    waveforms = SimpleNamespace(passages=passages, time=time, velocity=velocity)
+    return draw(shape_sheet(scene(chains=2, beads=10).problem(), waveforms, [5]))
 
 
-def test_the_time_over_a_panel_has_four_digits_also_where_they_are_zeros():
-    unit = AxisUnit(1.0, "reduced")
-    titles = [time_title("arrival", time, unit) for time in (21.0, 124.0, 1397.2)]
-    assert titles == ["arrival 21.00", "arrival 124.0", "arrival 1397"]
+RUNS = {
+    "distance": lambda: distances_of(ran()[0]),
+    "distance-si": distances_in_si,
+    "distance-gaps": distances_with_gaps,
+    "distance-agreement": distances_that_agree,
+    "distance-few-beads": distances_without_energies,
+    "distance-nine-chains": lambda: distances_of(reference(9, 0.2, 30, 40.0)),
+    "response": lambda: draw(response_sheet(history(ran()[0], (50,)), ran()[1].waves)),
+    "response-si": response_in_si,
+    "response-late": response_where_a_later_pulse_is_larger,
+    "response-no-pulse": lambda: draw(response_sheet(history(ran()[0], (10, 50)))),
+    "response-cut": lambda: draw(response_sheet(history(ran()[0], (10, 50, 60), frames=200))),
+    "response-twenty-chains": lambda: draw(response_sheet(history(of_twenty(), (1,)))),
+    "spacetime": lambda: maps(reference(2, 0.1, 60, 110.0)),
+    "spacetime-si": lambda: maps(moving(hit(si=True), 2, 10, 7)),
+    "spacetime-few-beads": lambda: maps(moving(hit(beads=50, recorded=(1, 5, 50)), 1, 5, 3)),
+    "spacetime-few-move": lambda: maps(moving(hit(beads=40), 1, 6, 2)),
+    "spacetime-cut": lambda: maps(ran()[0], 200),
+    "spacetime-twenty-chains": lambda: maps(of_twenty()),
+    "shape": lambda: draw(shape_sheet(ran()[0].problem, ran()[1].waveforms, [10, 50])),
+    "shape-by-hand": shape_by_hand,
+}
+
+# --- figures of measurements, with numbers made by hand ---------------------------------------------------------------
 
 
-def test_where_no_pulse_leads_there_is_no_passage_beside_the_whole_run():
-    trajectory = reference(2, 0.1, 60, 80.0)
-    figure = draw(response_sheet(history(trajectory, (10, 50))))
-    assert [axis.get_title(loc="left") for axis in figure.axes] == ["(a) bead 10", "(b) bead 50"]
+def many(si):
+    return hit(si=si, chains=CHAINS, kicked=6, velocity=0.01)
 
 
-def test_a_cut_run_says_so_and_beads_that_have_not_moved_are_named_not_drawn():
-    trajectory = reference(2, 0.1, 60, 80.0)
-    figure = draw(response_sheet(history(trajectory, (10, 50, 60), frames=len(trajectory.time) // 4)))
-    assert [axis.get_title(loc="left") for axis in figure.axes] == ["bead 10"]
-    assert "beads 50, 60 have not moved" in figure.get_suptitle()
-    for cut in (figure, draw(spacetime_sheet(spacetime(trajectory, len(trajectory.time) // 4)))):
-        assert "cut short at 25% of its time" in cut.get_suptitle()
-    assert "cut short" not in draw(spacetime_sheet(spacetime(trajectory))).get_suptitle()
-
-
-@pytest.mark.parametrize(
-    ("velocity", "symbol", "worth"),
-    [
-        (3.0, "m/s", 3.0),
-        (2e-3, "mm/s", 2.0),
-        (5e-6, "\N{MICRO SIGN}m/s", 5.0),
-        (2e3, "km/s", 2.0),
-        (1e-30, "pm/s", 1e-18),
-    ],
-)
-def test_units_have_the_prefix_that_leaves_one_to_three_digits(velocity, symbol, worth):
-    problem = replace(small(), scale=make_scale(1.0, 1.0, velocity, si=True))
-    unit = axis_unit(problem, "velocity", 1.0)
-    assert unit.symbol == symbol
-    assert unit.worth == pytest.approx(worth)
-
-
-@pytest.mark.slow
-def test_letters_in_a_pdf_can_be_searched_and_embedded(tmp_path):
-    with written_as(("pdf",)):
-        write_figure(tmp_path, "f", draw(response_sheet(history(reference(1, 0.0, 10, 8.0), (5,)))))
-    pdf = (tmp_path / "f.pdf").read_bytes()
-    assert b"/CIDFontType2" in pdf  # Type 42
-    assert b"/Type3" not in pdf
-
-
-def test_shape_figure_shows_the_samples_on_the_exact_wave(found):
-    figure = draw(shape_sheet(found.problem, found.waveforms, [10, 50]))
-    above, late = figure.axes[:2]
-    assert [axis.get_title(loc="left") for axis in (above, late)] == ["(a) bead 10", "(b) bead 50"]
-    exact = late.get_lines()[0]
-    for line in late.get_lines()[1:]:
-        difference = line.get_ydata() - np.interp(line.get_xdata(), exact.get_xdata(), exact.get_ydata())
-        assert np.max(np.abs(difference)) < 0.03
-
-
-def test_the_layers_of_the_budget_add_up_to_what_was_put_in_in_the_units_of_the_scene():
-    time = np.linspace(0.0, 10.0, 5)
-    held = {"kinetic": 0.3 - 0.02 * time, "contacts": np.full(5, 0.19), "springs": np.zeros(5)}
-    held |= {"ground": np.zeros(5), "walls": np.full(5, 0.01), "resonators": np.zeros(5)}
-    account = Account(
-        time,
-        np.full(5, 0.5),
-        **held,
-        dissipated={"contact_damping": 0.02 * time},
-        other_atoms=None,
-        in_resonators_error=None,
+def energy(si):
+    number, later = np.arange(1.0, CHAINS + 1.0), np.array([[1.0], [2.0], [3.0]])
+    flow = Flow(
+        np.array([0.0, 1.0, 4.0]), later * number / 100.0, np.zeros(3), later * number, np.full((3, CHAINS), 0.5)
     )
-    si = replace(small(), scale=make_scale(3.6e-3, 1.4e10, 0.01, si=True))
-    figure = draw(BudgetMeasurement(si, account).sheet())
-    (axis,) = figure.axes
-    assert legends(figure) == ["energy input", "dissipated in contact damping", "walls", "contacts", "kinetic"]
-    tops = [layer.get_paths()[0].vertices[:, 1].max() for layer in axis.collections]
-    nano = si.scale.energy * 1e9
-    assert tops == pytest.approx([0.3 * nano, 0.49 * nano, 0.5 * nano, 0.5 * nano])
-    assert curves(axis)["energy input"].get_ydata() == pytest.approx(np.full(5, 0.5 * nano))
-    assert axis.get_ylabel() == "energy $U$ (nJ)"
-    hatches = [layer.get_hatch() for layer in axis.collections]
-    assert hatches[-1]  # tells what is lost from what is there in grey
-    assert not any(hatches[:-1])
+    return draw(EnergyMeasurement(many(si), flow).sheet())
 
 
-def account_of(kinetic, time):
-    nothing = np.zeros(len(time))
-    stored = dict.fromkeys(("springs", "ground", "walls", "resonators"), nothing)
-    stored |= {"kinetic": kinetic, "contacts": 1.0 - kinetic}
-    return Account(time, np.ones(len(time)), **stored, dissipated={}, other_atoms=None, in_resonators_error=None)
-
-
-@pytest.mark.parametrize(("period", "mean"), [(2.7, True), (40.0, False)])
-def test_oscillations_that_instants_do_not_resolve_are_drawn_as_means(period, mean):
-    time = np.arange(400.0)
-    kinetic = 0.5 + 0.4 * np.sin(2.0 * np.pi * time / period)
-    (axis,) = draw(BudgetMeasurement(small(), account_of(kinetic, time)).sheet()).axes
-    x, y = axis.collections[0].get_paths()[0].vertices.T
-    top = y[(y > 0.0) & (x > 50.0) & (x < 350.0)]
-    assert axis.get_title(loc="right").startswith("mean over") == mean
-    assert np.ptp(top) == pytest.approx(0.8 * (not mean), abs=0.01)
-
-
-def test_modes_are_grey_as_colours_are_those_of_chains():
-    problem = reference(2, 0.1, 10, 8.0).problem
+def energy_of_modes():
     time, values = np.arange(3.0), np.add.outer(np.arange(3.0), np.arange(2.0))
     flow = Flow(time, values / 10.0, np.zeros(3), values, 0.1 * values, action=values / 10.0)
-    modes = draw(EnergyMeasurement(problem, flow).sheet()).axes[-1].get_lines()
-    colours = {to_rgb(line.get_color()) for line in modes}
-    assert len(colours) == 2
-    assert all(len(set(colour)) == 1 for colour in colours)
+    return draw(EnergyMeasurement(small(), flow).sheet())
 
 
-def test_a_panel_that_is_constant_is_left_out_of_the_energy():
-    problem = reference(1, 0.0, 10, 8.0).problem
-    time, one = np.arange(3.0), np.ones((3, 1))
-    flow = Flow(time, one, np.zeros(3), time[:, np.newaxis] + one, 0.1 * one)
-    (panel,) = draw(EnergyMeasurement(problem, flow).sheet()).axes
-    assert panel.get_ylabel().startswith("centre of the energy")
+def energy_that_is_constant():
+    time, ones = np.arange(3.0), np.ones((3, 1))
+    flow = Flow(time, ones, np.zeros(3), time[:, np.newaxis] + ones, 0.1 * ones)
+    return draw(EnergyMeasurement(small(chains=1), flow).sheet())
 
 
-def test_contacts_that_have_not_begun_to_open_are_not_drawn_and_a_printed_power_law_is():
+def forces(si):
+    """100 for each gauge and 1 for each chain, at the second instant."""
+    problem = many(si)
+    places = gauges(problem.system, contacts=(2, 7), sensors=(5,))
+    force = np.add.outer(np.arange(1.0, CHAINS + 1.0), 100.0 * np.arange(1.0, 4.0))
+    nothing = np.zeros(force.shape)
+    rest = (*[nothing] * 7, nothing > 0.0, nothing)
+    readings = Readings(places, np.array([0.0, 1.0]), np.stack([nothing, force]), nothing, force, *rest)
+    return draw(ForceMeasurement(problem, [], readings).sheet())
+
+
+def spectra(si):
+    """Lines at 0 and 0.1, a drive at 0.07, and an amplitude of chain 3 that is below the axis."""
+    amplitude = np.add.outer(np.array([0.2, 0.1]), np.add.outer(1e-3 * np.arange(CHAINS), np.array([0.3, 0.6])))
+    amplitude[1, 2] = 1e-12
+    of_drive, drive = np.zeros((1, CHAINS, 2)), np.array([0.07])
+    found = VelocitySpectra((3, 8), 2.0, np.array([0.0, 0.1]), amplitude, drive, of_drive, 0.0 * amplitude, of_drive)
+    return draw(SpectrumMeasurement(many(si), None, found).sheet())
+
+
+def budget(kinetic, time, problem=None, **others):
+    nothing = np.zeros(len(time))
+    stored = dict.fromkeys(("springs", "ground", "walls", "resonators"), nothing)
+    stored |= {"kinetic": kinetic, "contacts": 1.0 - kinetic, "dissipated": {}, **others}
+    supplied = stored.pop("supplied", np.ones(len(time)))
+    account = Account(time, supplied, **stored, other_atoms=None, in_resonators_error=None)
+    return draw(BudgetMeasurement(problem or small(), account).sheet())
+
+
+def oscillating_budget(period):
+    time = np.arange(400.0)
+    return budget(0.5 + 0.4 * np.sin(2.0 * np.pi * time / period), time)
+
+
+def plastic():
+    """Contacts 39 and 40 have not begun to open; the law is 5 n^(-1/2)."""
     contact = np.arange(1, 41)
     force = 5.0 * contact**-0.5
     opened = (contact <= 38).astype(np.int64)
     force[38:] = 1e-3
-    table = YieldTable(np.ones(40, dtype=np.int64), contact, force, force, 0.1 * force, opened, force)
-    figure = draw(PlasticMeasurement(small(chains=1), None, table).sheet())
-    curve, law = figure.axes[0].get_lines()
-    assert curve.get_xdata().tolist() == list(range(1, 39))
-    assert law.get_xdata().tolist() == list(range(20, 39))
-    np.testing.assert_allclose(law.get_ydata(), 5.0 * law.get_xdata() ** -0.5)
-    assert legends(figure) == ["chain 1", r"$\propto n^{-0.500}$"]
-    assert figure.axes[1].get_ylabel() == "permanent overlap $\\delta_r$ (reduced)"
+    found = YieldTable(np.ones(40, dtype=np.int64), contact, force, force, 0.1 * force, opened, force)
+    return draw(PlasticMeasurement(small(chains=1), None, found).sheet())
 
 
-@pytest.mark.parametrize("width", [3.4, 7.0])
-def test_figures_of_a_width_that_is_asked_for_have_that_width_and_no_title(found, width):
-    trajectory = reference(2, 0.1, 60, 80.0)
-    with written_as(("png",), width):
-        figures = [
-            draw(distance_sheet(found.problem, found.shared, found.energies)),
-            draw(response_sheet(history(trajectory, (10, 50)), found.waves)),
-            draw(spacetime_sheet(spacetime(trajectory))),
-            draw(shape_sheet(found.problem, found.waveforms, [10, 50])),
-        ]
-    for figure in figures:
-        assert figure.get_figwidth() == width
-        assert figure.get_suptitle() == ""
-        figure.draw_without_rendering()
-        for axis in figure.axes:  # no panel has vanished between labels
-            assert axis.get_window_extent().width > 10.0
+def residuals(si):
+    """Data are twice the run at first; residuals are 0.5 and -1.5, and 0 and 4, in units of the noise."""
+    problem = many(si)
+    unit = np.array([problem.scale.force, problem.scale.velocity])
+    time = np.array([0.0, problem.scale.time])
+    channels = (Channel("contact", 3, 2), Channel("velocity", 1, 5))
+    data = Traces(time, channels, np.array([[2.0, 20.0], [4.0, 50.0]]) * unit, si)
+    return residual_figure(problem, data, np.array([[1.0, 20.0], [7.0, 10.0]]) * unit, np.array([2.0, 10.0]) * unit)
 
 
-def test_titles_of_close_ups_in_si_units_end_within_a_narrow_figure(found):
-    trajectory = reference(2, 0.1, 60, 80.0)
-    si = replace(trajectory.problem, scale=make_scale(3.6e-3, 1.4e10, 0.01, si=True))
-    with written_as(("png",), 3.4):
-        figure = draw(response_sheet(history(replace(trajectory, problem=si), (10, 50)), found.waves))
-    figure.draw_without_rendering()
-    shown = figure.findobj(lambda part: isinstance(part, Text) and ") arrival" in part.get_text())
-    assert len(shown) == 2
-    assert all(title.get_window_extent().x1 <= figure.bbox.x1 for title in shown)
+def validation(si):
+    """The only error is at bead 7 in the second half; one quantity is within its tolerance."""
+    error = np.zeros((2, 10))
+    error[1, 6] = 1e-3
+    edges = ErrorMap(np.array([0.0, 2.0, 4.0]), np.arange(1, 12), error)
+    deviations = {"velocity": Deviation(1e-3, 1e-4), "arrival": Deviation(4e-3, 1e-4), "displacement": Deviation(0, 0)}
+    limits = {"velocity": 5e-4, "arrival": 1e-2, "displacement": 1e-2}
+    return validation_figure(many(si), edges, deviations, limits, "reference")
+
+
+def validation_of_few_beads():
+    found = ErrorMap(np.array([0.0, 4.0]), np.array([10, 50, 95, 96]), np.array([[1e-3, 2e-3, 3e-3]]))
+    return validation_figure(many(False), found, {"velocity": Deviation(3e-3, 1e-4)}, {"velocity": 1e-2}, "mine")
+
+
+MEASUREMENTS = {
+    "energy": lambda: energy(False),
+    "energy-si": lambda: energy(True),
+    "energy-modes": energy_of_modes,
+    "energy-constant": energy_that_is_constant,
+    "forces": lambda: forces(False),
+    "forces-si": lambda: forces(True),
+    "spectra": lambda: spectra(False),
+    "spectra-si": lambda: spectra(True),
+    "budget-resolved": lambda: oscillating_budget(40.0),
+    "budget-mean": lambda: oscillating_budget(2.7),
+    "plastic": plastic,
+    "residuals": lambda: residuals(False),
+    "residuals-si": lambda: residuals(True),
+    "validation": lambda: validation(False),
+    "validation-si": lambda: validation(True),
+    "validation-few-beads": validation_of_few_beads,
+}
+
+
+def layers_in_si():
+    """0.3 - 0.02 t, 0.19, 0.01 and 0.02 t, which add up to 0.5."""
+    time = np.linspace(0.0, 10.0, 5)
+    held = {"contacts": np.full(5, 0.19), "walls": np.full(5, 0.01), "dissipated": {"contact_damping": 0.02 * time}}
+    return budget(0.3 - 0.02 * time, time, hit(si=True), supplied=np.full(5, 0.5), **held)
+
+
+MEASUREMENTS["budget-si"] = layers_in_si
+
+# --- figures of studies, and what all figures share -------------------------------------------------------------------
+
+
+def study(values, words="y", **options):
+    return StudyAxis(Label(words, unit=options.pop("unit", "")), np.array(values, dtype=float), **options)
+
+
+FACTORS = study([0.05, 0.1, 0.2], "x")
+FROM_0 = study(range(4), "x")
+
+
+def swept_in_si():
+    """120 at 1 kN/m to 40 at 4 kN/m; 100 is sought, and is at 1.5 kN/m."""
+    sought = Sought(100.0, np.array([1.5e3]), np.array([10.0]))
+    return swept_figure(study([120, 90, 40], "bead"), study([1e3, 2e3, 4e3], "k", unit="N/m"), sought=sought)
+
+
+def crossing_that_is_not_rounded_down():
+    sought = Sought(20.0, np.array([0.215314]), np.array([0.00015]))
+    return swept_figure(study([10, 20, 40], "bead"), study([0.1, 0.2, 0.4], "stiffness"), sought=sought)
+
+
+def swept_with_uncertainties():
+    """Cases come in the order of any field; that at 1 has not settled."""
+    x, unsettled = np.array([3.0, 1.0, 2.0]), np.array([False, True, False])
+    quantity = study(2.0 * x, error=0.1 * x, unsettled=unsettled, error_words="uncertainty")
+    return swept_figure(quantity, study(x, "x"), title="scene")
+
+
+def swept_between_bands():
+    """Small waves pass up to 4 and from 6 to 7."""
+    bands = np.array([[6.0, 7.0], [0.0, 3.0], [2.0, 4.0]])
+    return swept_figure(study([1, 5, 9]), study([1, 5, 9], "x"), None, "", bands)
+
+
+def map_with_holes():
+    """x times y at three x and nine y, but at one place; what is at y = 3 has not settled."""
+    x, y = (part.ravel() for part in np.meshgrid([0.1, 0.2, 0.4], np.arange(1.0, 10.0)))
+    keep = ~((x == 0.2) & (y == 3.0))
+    quantity = study((x * y)[keep], "z", unsettled=(y == 3.0)[keep])
+    return map_figure(quantity, study(x[keep], "x"), study(y[keep]))
+
+
+def histogram_of_four():
+    values = np.array([1.0, 1.0, 3.0, 7.0])
+    return histogram_figure(Label("speed", "c", "m/s"), histogram(values), statistics(values), "seeds")
+
+
+STUDIES = {
+    "swept-si": swept_in_si,
+    "swept-crossing": crossing_that_is_not_rounded_down,
+    "swept-uncertainties": swept_with_uncertainties,
+    "swept-bands": swept_between_bands,
+    "swept-decades": lambda: swept_figure(study([1, 50, 2]), FACTORS),
+    "swept-from-0": lambda: swept_figure(study([0, 40, 120, 120]), FROM_0),
+    "swept-holes": lambda: swept_figure(study([0, 40, np.nan, 120]), FROM_0),
+    "swept-lines": lambda: swept_figure(study([np.nan, 1, 2]), FACTORS, study([1, 1, 3], "z", unit="m")),
+    "swept-log": lambda: swept_figure(study(range(20)), study(np.geomspace(0.02, 0.5, 20), "x")),
+    "swept-log-short": lambda: swept_figure(study(range(20)), study(np.geomspace(0.21, 0.99, 20), "x")),
+    "swept-log-long": lambda: swept_figure(study(range(20)), study(np.geomspace(3.0, 290.0, 20), "x")),
+    "map-holes": map_with_holes,
+    "map-level": lambda: map_figure(study([1, 1, 1, 1], "z"), study([1, 2, 1, 2], "x"), study([1, 1, 2, 2])),
+    "map-lonely": lambda: map_figure(study([np.nan, 2, np.nan, np.nan]), study([1, 2, 1, 2]), study([1, 1, 2, 2])),
+    "histogram": histogram_of_four,
+}
+
+TIME = np.arange(30.0)
+SECONDS, SPEED = Axis(Label("time", "t", "s")), Axis(Label("speed", "v", "m/s"))
+LINES = curves_of([0, 2], TIME, np.stack([TIME, 2.0 * TIME], axis=1))
+PANEL = Panel(SECONDS, SPEED, LINES, "bead 5")
+
+
+def sheet_of_lines():
+    """Labels that panels share stand once; a line with dots where it is alone; a row that belongs to the one above."""
+    gaps = np.where(TIME % 5 < 3, TIME, np.nan)
+    gaps[20:25] = [np.nan, np.nan, 7.0, np.nan, np.nan]
+    total = Curve("sum", TIME, TIME, look={"color": "black"})
+    rows = [
+        [PANEL, replace(PANEL, curves=(*LINES, total))],
+        [replace(PANEL, curves=(Curve("a", TIME, gaps, 0),)), None],
+    ]
+    return draw(Sheet("of a run", rows, 4.0, heights=(2.0, 1.0)))
+
+
+def sheet_of_layers():
+    layers = tuple(Curve(name, TIME, np.full(30, height)) for name, height in (("a", 1.0), ("b", 2.0)))
+    return draw(Sheet("of a run", [[replace(PANEL, curves=(), layers=layers)]], 4.0))
+
+
+def sheet_of_an_image():
+    """A white line over it has an outline."""
+    image = Image(np.array([[0.0, np.nan]]), (0.5, 2.5), (0.0, 1.0), Label("speed", "v"), (-1.0, 1.0), True, "gone")
+    line = Curve("line", np.array([1.0, 2.0]), np.array([0.5, 0.5]), look={"color": "white", "linestyle": "--"})
+    return draw(Sheet("of a run", [[Panel(BEAD, SECONDS, (line,), image=image)]], 4.0))
+
+
+SHEETS = {
+    "lines": sheet_of_lines,
+    "layers": sheet_of_layers,
+    "image": sheet_of_an_image,
+    "one-line": lambda: draw(Sheet("of a run", [[replace(PANEL, curves=LINES[:1])]], 4.0)),
+}
+
+FIGURES = {**RUNS, **MEASUREMENTS, **STUDIES, **SHEETS}
+
+
+@at_both_widths
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_figure_shows_what_its_table_says_and_no_text_of_it_is_cut_or_covered(name, width, golden):
+    assert_shown(name, FIGURES[name], width, golden)
+
+
+# --- numbers behind figures -------------------------------------------------------------------------------------------
+
+
+def test_samples_of_the_shape_lie_on_the_exact_wave():
+    late = draw(shape_sheet(ran()[0].problem, ran()[1].waveforms, [10, 50])).axes[1]
+    exact, *samples = late.get_lines()
+    for line in samples:
+        assert line.get_ydata() == pytest.approx(np.interp(line.get_xdata(), *exact.get_data()), abs=0.03)
+    assert len(samples) >= 2
+
+
+@pytest.mark.parametrize(
+    ("velocity", "symbol", "worth"), [(3.0, "m/s", 3.0), (5e-6, "\N{MICRO SIGN}m/s", 5.0), (1e-30, "pm/s", 1e-18)]
+)
+def test_units_have_the_prefix_that_leaves_one_to_three_digits(velocity, symbol, worth):
+    unit = axis_unit(replace(small(), scale=make_scale(1.0, 1.0, velocity, si=True)), "velocity", 1.0)
+    assert (unit.symbol, unit.worth) == (symbol, pytest.approx(worth))
+
+
+def test_the_largest_pulses_are_shown_in_their_order_each_from_where_it_is_small_and_no_long_one():
+    time = np.linspace(0.0, 200.0, 2001)
+    bumps = [(30.0, 0.5), (60.0, 1.0), (100.0, 0.05), (140.0, 0.7), (180.0, 0.3)]
+    found = pulses(time, sum(height * np.exp(-((time - peak) ** 2)) for peak, height in bumps))
+    assert [peak for peak, _, _ in found] == pytest.approx([30.0, 60.0, 140.0])
+    assert all(2.0 < peak - low < 8.0 and 2.0 < high - peak < 8.0 for peak, low, high in found)
+    assert pulses(time, np.sin(0.01 * time)) == []
+    plateau = 0.5 * (np.tanh(2.0 * (time - 20.0)) - np.tanh(2.0 * (time - 30.0)))
+    low, high = passage(time, plateau, 20.0)  # to the end of a long one
+    assert low < 19.0
+    assert 31.0 < high < 40.0
 
 
 @pytest.mark.parametrize("top", [1.0, 0.55, 4.3e2, 2.0001e-6])
@@ -361,27 +458,66 @@ def test_ticks_of_colours_are_round_and_reach_most_of_the_scale(top):
     assert {f"{tick:.3e}"[:5] for tick in ticks if tick > 0.0} <= {"1.000", "2.000", "5.000"}
 
 
-def test_the_largest_pulses_are_shown_in_their_order_each_from_where_it_is_small_and_no_long_one():
-    time = np.linspace(0.0, 200.0, 2001)
-    bumps = [(30.0, 0.5), (60.0, 1.0), (100.0, 0.05), (140.0, 0.7), (180.0, 0.3)]
-    size = sum(height * np.exp(-((time - peak) ** 2)) for peak, height in bumps)
-    found = pulses(time, size)
-    assert [peak for peak, _, _ in found] == pytest.approx([30.0, 60.0, 140.0])
-    for peak, low, high in found:
-        assert 2.0 < peak - low < 8.0
-        assert 2.0 < high - peak < 8.0
-    assert pulses(time, np.sin(0.01 * time)) == []
+def test_the_response_is_that_of_the_bead_it_names_also_where_a_window_has_moved_on():
+    problem, blocks = hit(beads=100, window=64), []
+    for first, frame in ((1, 0), (30, 1)):
+        v = np.tile(np.arange(first, first + 64) / 100.0, (1, 2, 1))
+        blocks.append(Trajectory(problem, np.array([frame * problem.every]), np.zeros_like(v), v, first=first))
+    data = HistoryMeter(problem, np.array([20, 40, 95])).read(blocks)
+    np.testing.assert_array_equal(data.velocity, np.tile([[[0.2, 0.4, 0.0]], [[np.nan, 0.4, 0.0]]], (1, 2, 1)))
 
 
-@pytest.mark.parametrize("dashes", ["-", "--"])
-def test_a_white_line_over_an_image_has_an_outline_without_gaps(dashes):
-    nothing = Axis(Label(""), ends=(0.0, 1.0))
-    bright = Image(np.ones((2, 2)), (0.0, 1.0), (0.0, 1.0), Label(""), (0.0, 1.0))
-    line = Curve("line", np.array([0.0, 1.0]), np.array([0.5, 0.5]), look={"color": "white", "linestyle": dashes})
-    figure = draw(Sheet("", [[Panel(nothing, nothing, (line,), image=bright)]], 3.0))
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    left, bottom, right, top = figure.axes[0].get_window_extent().extents.astype(int)
-    pixels = np.asarray(canvas.buffer_rgba())[::-1, :, :3].max(axis=-1)[bottom + 5 : top - 5, left + 5 : right - 5]
-    assert np.all(pixels.min(axis=0) < 128)  # in every column
-    assert np.all(pixels[0] > 128)
+@pytest.mark.parametrize(
+    ("values", "log"),
+    [
+        ([1, 2, 4, 8], True),
+        ([1, 2, 3, 4], False),
+        ([0.05, 0.1, 0.2], True),
+        ([0.2, np.nextafter(0.2, 1.0), 1.0], False),
+        ([0, 0.1, 1], False),
+        ([1, 1000], False),
+    ],
+)
+def test_an_axis_is_logarithmic_where_values_are_spaced_by_factors_also_beside_equal_ones(values, log):
+    assert logarithmic(values) == log
+
+
+def test_titles_tell_chains_coupling_gap_load_and_v(golden):
+    kick, rows = {"velocity": 1.0}, {"stiffness": {"from": 0.1, "to": 0.2, "rows": [1, 20]}}
+    steel = {"material": {"name": "steel", "radius": 5e-3}, "duration": 1e-4}
+    scenes = [
+        {},
+        {"chains": 2, "coupling": {"stiffness": 0.1}, "gap": 0.5, "kick": {"velocity": 3.0}},
+        {"precompression": {"force": 0.1}},
+        {"gravity": 0.01, "walls": {"right": "rigid"}},
+        {"precompression": {"force": 2.38}, **steel},
+        {"chains": 3, "coupling": {"stiffness": 0.1, "rows": [5, 20]}},
+        {"chains": 3, "coupling": rows},
+        {"chains": 3, "coupling": {"stiffness": 0.1, "topology": "ring"}},
+        {"chains": 3, "coupling": {"cubic": 0.1}},
+        {"chains": 3, "coupling": {"force": "k*s/sqrt(1+(s/s0)^2)", "k": 0.1, "s0": 0.5}},
+    ]
+    titles = [title(of_keys(**{"beads": 20, "kick": kick, "duration": 5.0, **one})) for one in scenes]
+    of_panels = [time_title("arrival", time, AxisUnit(1.0, "reduced")) for time in (21.0, 124.0, 1397.2)]  # four digits
+    golden("titles", "\n".join([*titles, *of_panels]))
+
+
+def test_lattices_have_a_panel_for_each_chain_and_lines_for_those_far_from_each_other():
+    lattice = {"stiffness": 0.1, "topology": {"lattice": [4, 4]}}
+    problem = of_keys(chains=16, beads=20, kick={"velocity": 1.0}, duration=5.0, coupling=lattice)
+    assert shown_chains(problem, panels=True) == list(range(16))
+    assert len(shown_chains(problem)) == 9
+    assert {0, 3, 12, 15} <= set(shown_chains(problem))
+
+
+@pytest.mark.slow
+def test_letters_in_a_pdf_can_be_searched_and_embedded():
+    pdf = picture(FIGURES["one-line"](), "pdf")
+    assert b"/CIDFontType2" in pdf  # Type 42
+    assert b"/Type3" not in pdf
+
+
+def test_panels_of_a_run_and_of_its_measurements_import_no_drawing_library():
+    modules = "analysis.figures.waves, workflow.measures.registry, workflow.plugins.export.figure_numbers"
+    code = f"import sys, {modules}; list(workflow.measures.registry.MEASUREMENTS); print('matplotlib' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "False\n"

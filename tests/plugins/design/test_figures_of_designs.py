@@ -2,29 +2,42 @@
 
 import numpy as np
 import pytest
+from figure_table import assert_shown, at_both_widths
 
 from lammps_inputs.units import Label
-from workflow.plugins.design.figures import Objective, front, front_figure, history_figure
+from workflow.plugins.design.figures import (
+    Objective,
+    front,
+    front_figure,
+    history_figure,
+    members_figure,
+    wall_figure,
+)
+
+FORCE, MASS = Label("force", "F", "N"), Label("mass", "m", "kg")
+VALUES = np.array([3.0, np.nan, 1.0, 5.0])
 
 
-@pytest.mark.parametrize(("sign", "best"), [(1.0, [3.0, 3.0, 1.0, 1.0]), (-1.0, [3.0, 3.0, 3.0, 5.0])])
-def test_the_best_so_far_is_the_smallest_or_largest_of_what_keeps_the_limits(sign, best):
-    (axis,) = history_figure(Objective(Label("force", "", "N"), sign, 4.0), np.array([3.0, np.nan, 1.0, 5.0])).axes
-    lines = {line.get_label(): line for line in axis.get_lines()}
-    assert lines["best so far"].get_ydata().tolist() == best
-    assert lines["best so far"].get_xdata().tolist() == [1, 2, 3, 4]
-    assert set(lines["set against"].get_ydata()) == {4.0}
-    assert axis.get_ylabel() == "force (N)"
-
-
-def test_each_front_is_of_what_its_legend_says():
+def fronts():
     force, mass = np.array([1.0, 2.0, 3.0, 4.0]), np.array([5.0, 3.0, 9.0, 6.0])
-    (axis,) = front_figure(Objective(Label("force"), 1.0, None), force, Label("mass"), mass).axes
-    lines = {line.get_label(): line for line in axis.get_lines()}
-    assert lines["front to the left"].get_xydata().tolist() == [[3.0, 2.0], [5.0, 1.0]]
-    assert lines["front to the right"].get_xydata().tolist() == [[5.0, 1.0], [9.0, 3.0]]
+    return front_figure(Objective(FORCE, 1.0, None), force, MASS, mass)
+
+
+FIGURES = {
+    "smallest": lambda: history_figure(Objective(FORCE, 1.0, 4.0), VALUES),
+    "largest": lambda: history_figure(Objective(FORCE, -1.0, 4.0), VALUES),
+    "fronts": fronts,
+    "members": lambda: members_figure(Objective(FORCE, 1.0, 4.0), 2.0, [1.0, 2.0, 2.5, 3.0]),
+    "wall": lambda: wall_figure([("as found", VALUES, 1e-4 * VALUES)], Label("time", "t", "s"), FORCE),
+}
+
+
+@at_both_widths
+@pytest.mark.parametrize("name", FIGURES)
+def test_figures_show_the_best_of_what_keeps_the_limits_and_the_fronts(name, width, golden):
+    assert_shown(name, FIGURES[name], width, golden)
 
 
 def test_a_front_is_what_nothing_else_betters_in_both():
-    one, other = np.array([1.0, 2.0, 2.0, 3.0, 4.0]), np.array([5.0, 6.0, 3.0, 3.0, 1.0])
-    assert front(one, other).tolist() == [0, 2, 4]
+    first, second = np.array([1.0, 2.0, 2.0, 3.0, 4.0]), np.array([5.0, 6.0, 3.0, 3.0, 1.0])
+    assert front(first, second).tolist() == [0, 2, 4]

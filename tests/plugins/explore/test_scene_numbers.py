@@ -52,12 +52,6 @@ def test_a_slider_goes_from_0_to_three_times_the_value_within_the_bounds_of_the_
     assert (area.start, area.end, area.step) == pytest.approx(ends)
 
 
-def test_numbers_of_several_parts_are_named_by_their_place():
-    scene = SCENE | {"kick": [{"velocity": 1.0}, {"velocity": 0.5, "bead": 3}]}
-    assert number_called("kick[2].bead", scene).value == 3
-    assert number_called("kick[2].velocity", scene).label == "kick velocity, kick 2 (reduced)"
-
-
 def test_what_is_shown_of_a_scene_is_the_run_of_the_reference():
     scene = granchain.load(SCENE)
     result = computed(scene)
@@ -66,11 +60,6 @@ def test_what_is_shown_of_a_scene_is_the_run_of_the_reference():
     assert result.uncertainty == waves.velocity
     velocity = np.concatenate([block.velocity[:, 1] for block in halving.blocks()])
     np.testing.assert_array_equal(result.part.velocity[1], velocity)
-
-
-def test_a_scene_that_ends_at_a_bead_or_asks_for_an_accuracy_is_computed():
-    scene = {key: value for key, value in SCENE.items() if key != "duration"} | {"until_bead": 15, "accuracy": 1e-4}
-    assert np.all(computed(granchain.load(scene)).survey.waves.of_chain(1).at(15).peak_velocity > 0.1)
 
 
 @pytest.mark.parametrize(

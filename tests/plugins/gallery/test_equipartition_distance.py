@@ -5,8 +5,6 @@ import pytest
 from analysis.sharing.verdict import expected_n_star
 from workflow.plugins.gallery.equipartition_distance import (
     DECAY_LENGTH,
-    Distance,
-    distance_map,
     equipartition_distance,
 )
 
@@ -33,17 +31,6 @@ def test_a_chain_too_short_to_level_out_says_so() -> None:
     case = equipartition_distance(2, 0.01, most_beads=100)
     assert case.within_1 is None
     assert case.beads == 100
-
-
-def test_the_map_has_one_per_cent_solid_and_ten_dotted_ascending_in_the_coupling() -> None:
-    cases = [Distance(2, 0.2, 60, 20, 40, 0.34, 0.0), Distance(2, 0.1, 60, None, 60, 0.4, 0.0)]
-    distance, amplitude = distance_map(cases).axes
-    lines = {line.get_label(): line for line in distance.get_lines()}
-    solid, dotted = lines["2 chains, 1 %"], lines["2 chains, 10 %"]
-    assert (solid.get_linestyle(), dotted.get_linestyle()) == ("-", ":")
-    assert solid.get_xydata().tolist() == [[0.1, 60.0], [0.2, 40.0]]
-    assert dotted.get_ydata().tolist()[1] == 20.0
-    assert amplitude.get_lines()[0].get_xydata().tolist() == [[0.1, 0.4], [0.2, 0.34]]
 
 
 def test_the_rounded_decay_length_is_that_of_the_exact_wave() -> None:

@@ -5,12 +5,9 @@ import json
 import pkgutil
 import re
 import shutil
-import subprocess
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from processes import HANGS
 
 import granchain
 from workflow.cli import main
@@ -86,25 +83,7 @@ def test_the_page_has_both_engines_numbers_and_says_where_the_paper_needs_a_corr
     ):
         assert words in text
     assert "None" not in text  # a bead that was not reached
-
-
-def test_the_page_needs_no_other_file_and_figures_of_the_paper_are_there(page: Path) -> None:
-    assert not re.findall(r'(?:src|href)="(?!data:|#)', (page / "index.html").read_text())
-    for number in range(1, 7):
-        assert (page / "entries" / "paper-touching" / f"fig{number}.png").stat().st_size > 10_000
-
-
-def test_the_page_opens_in_a_browser_without_errors(
-    page: Path, executable: Callable[[str], Path], tmp_path: Path
-) -> None:
-    options = (
-        "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
-        "--disable-component-update --disable-sync --enable-logging=stderr --dump-dom"
-    )
-    words = [executable("chromium"), *options.split(), f"--user-data-dir={tmp_path}", (page / "index.html").as_uri()]
-    found = subprocess.run(words, capture_output=True, text=True, timeout=HANGS, check=True)
-    assert "section 2" in found.stdout
-    assert "CONSOLE" not in found.stderr
+    assert not re.findall(r'(?:src|href)="(?!data:|#)', text)  # it needs no other file
 
 
 def test_an_entry_that_cannot_be_run_fails_alone(page: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -139,13 +118,7 @@ def test_the_verdict_on_a_run_agrees_with_the_page(name: str, page: Path, tmp_pa
     assert (found["state"] == "equipartitioned and synchronised") == (since is not None)
 
 
-def test_the_verdict_on_chains_with_gaps_agrees_with_the_page(page: Path, paper: Callable[[str], Path]) -> None:
-    found = json.loads((paper("two-chains-gapped-strong") / "analysis.json").read_text())["equipartition"]
-    assert re.search(r"impulses agree within 1%: .*kappa = 1: [0-9]+[,;]", (page / "index.html").read_text())
-    assert found["state"] == "equipartitioned and synchronised"
-
-
-def test_every_entry_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
+def test_every_entry_is_listed_also_in_the_manuals_table_of_sources(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["gallery", "--list"]) == 0
     assert capsys.readouterr().out.split() == list(ENTRIES)
     modules = [
@@ -154,8 +127,5 @@ def test_every_entry_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
     found = [value for module in modules for value in vars(module).values() if isinstance(value, Entry)]
     assert {one.title for one in found} == {one.title for one in ENTRIES.values()}
     assert set(KNOWN) == set(ENTRIES)
-
-
-def test_the_table_of_sources_in_the_manual_is_that_of_models_and_entries() -> None:
-    page = sources.PAGE.read_text(encoding="utf-8")
-    assert sources.renewed(page) == page, "run `python -m workflow.plugins.gallery.sources`"
+    manual = sources.PAGE.read_text(encoding="utf-8")
+    assert sources.renewed(manual) == manual, "run `python -m workflow.plugins.gallery.sources`"

@@ -4,8 +4,8 @@ import csv
 import math
 import shlex
 
-import numpy as np
 import pytest
+from figure_table import assert_shown
 
 import granchain
 from lammps_inputs import InputError, strict_yaml
@@ -139,23 +139,25 @@ def drawn(monkeypatch):
     return figures
 
 
-def test_the_figure_names_the_quantity_and_the_field_and_marks_the_value_and_the_crossing(tmp_path, drawn):
-    asked(tmp_path, *BY_MASS, scene=STRUCK)
-    (axis,) = drawn[0].axes
-    assert (axis.get_xlabel(), axis.get_ylabel()) == ("striker mass (reduced)", "mass of all beads (reduced)")
-    labels = [text.get_text() for text in drawn[0].legends[0].get_texts()]
-    assert labels[0] == "value sought: 25.5"
-    place, error = map(float, labels[1].removeprefix("crossing: ").split(" \u00b1 "))
-    assert abs(place - 2.5) <= error < 0.01
+NINE = ",".join(map(str, range(20, 29)))
 
 
-def test_the_figure_of_a_curve_names_the_value_and_without_a_crossing_it_shows_what_was_computed(tmp_path, drawn):
-    asked(tmp_path, *BY_MASS, "--over", "beads=24,25", scene=STRUCK)
-    assert drawn[0].axes[0].get_ylabel() == "striker mass where mass of all beads = 25.5\n(reduced)"
-    assert drawn[0].axes[0].get_xlabel() == "number of beads of a chain $n_b$"
-    asked(tmp_path, *BY_MASS, "--over", "beads=40,41", scene=STRUCK)
-    labels = [text.get_text() for text in drawn[1].legends[0].get_texts()]
-    assert labels == ["$n_b$ = 40", "$n_b$ = 41", "value sought: 25.5"]
+@pytest.mark.parametrize(
+    ("name", "more"),
+    [
+        ("crossing", []),
+        ("curve", ["--over", "beads=24,25"]),
+        ("no-crossing", ["--where", "mass=100", "--over", "beads=24,25"]),
+        ("no-crossing-map", ["--where", "mass=100", "--over", f"beads={NINE}"]),
+        ("undefined", ["--where", "agree_1=3"]),
+    ],
+)
+def test_the_figure_marks_the_value_and_the_crossing_or_without_one_what_was_computed(
+    name, more, tmp_path, drawn, golden
+):
+    asked(tmp_path, *BY_MASS, *more, scene=STRUCK)
+    drawn[0].suptitle("")  # the path of the scene
+    assert_shown(name, lambda: drawn[0], None, golden)
 
 
 def test_values_of_a_second_field_are_read_as_those_of_a_scene_lists_too(tmp_path):
@@ -189,32 +191,6 @@ def test_the_reason_for_no_threshold_is_that_of_the_same_value_of_the_second_fie
 def test_no_threshold_is_one_line_and_exit_code_1(where, says, tmp_path, capsys):
     assert asked(tmp_path, *BY_MASS, "--where", where, scene=STRUCK) == (1, [])
     assert says in capsys.readouterr().out.splitlines()
-
-
-def test_without_a_threshold_the_figure_shows_the_computed_values_for_each_value_of_the_second_field(tmp_path, drawn):
-    assert asked(tmp_path, *BY_MASS, "--where", "mass=100", "--over", "beads=24,25", scene=STRUCK) == (1, [])
-    (axis,) = drawn[0].axes
-    assert (axis.get_xlabel(), axis.get_ylabel()) == ("striker mass (reduced)", "mass of all beads (reduced)")
-    lines = {line.get_label(): list(line.get_ydata()) for line in axis.get_lines()}
-    assert lines.pop("value sought: 100") == [100.0, 100.0]
-    assert lines == {"$n_b$ = 24": [23.5, 24.75, 26.0], "$n_b$ = 25": [24.5, 25.75, 27.0]}
-
-
-def test_without_a_threshold_more_values_of_the_second_field_than_lines_are_a_map(tmp_path, drawn):
-    beads = ",".join(map(str, range(20, 29)))
-    assert asked(tmp_path, *BY_MASS, "--where", "mass=100", "--over", f"beads={beads}", scene=STRUCK) == (1, [])
-    mesh = drawn[0].axes[0].collections[0]
-    assert mesh.get_array().shape == (9, 3)
-    assert mesh.get_array()[4].tolist() == [23.5, 24.75, 26.0]
-
-
-def test_of_a_quantity_that_is_undefined_everywhere_only_the_value_sought_is_drawn(tmp_path, drawn):
-    asked(tmp_path, *BY_MASS, "--where", "agree_1=3", scene=STRUCK)
-    (axis,) = drawn[0].axes
-    lines = {line.get_label(): np.asarray(line.get_ydata(), float) for line in axis.get_lines()}
-    assert [label for label, values in lines.items() if np.isfinite(values).any() and (values > 1.0).all()] == [
-        "value sought: 3"
-    ]
 
 
 @pytest.mark.slow

@@ -1,7 +1,6 @@
 """The table of a sweep, and its figures: every case in one line, with the numbers that its files hold."""
 
 import csv
-import itertools
 import json
 import os
 import shutil
@@ -10,10 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import granchain
-from analysis.figures.studies import MOST_LINES, Sought, StudyAxis, logarithmic, map_figure, swept_figure
+from analysis.figures.studies import MOST_LINES, StudyAxis, map_figure
 from analysis.shape.unit_cell import cell_of
 from lammps_inputs import InputError, strict_yaml
 from lammps_inputs.units import Label
@@ -205,85 +203,8 @@ def test_a_quantity_is_drawn_over_one_field_and_over_two(copied, capsys):
         assert (copied / file).stat().st_size > 5_000
 
 
-@pytest.mark.parametrize(
-    ("values", "log"),
-    [
-        ([0.05, 0.1, 0.2], True),
-        (np.geomspace(1e-3, 10, 20).tolist(), True),
-        ([2, 3, 4, 5], False),
-        (np.linspace(0.1, 1, 10).tolist(), False),
-        ([0, 0.1, 1], False),
-        ([-1, 1, 10], False),
-        ([1, 1000], False),
-        ([0.1, 0.1], False),
-    ],
-)
-def test_an_axis_is_logarithmic_where_its_values_are_spaced_by_a_factor(values, log):
-    assert logarithmic(values) is log
-    numbers = np.array(values, dtype=float)
-    figure = swept_figure(StudyAxis(Label("y"), numbers), StudyAxis(Label("x"), numbers))
-    assert figure.axes[0].get_xscale() == ("log" if log else "linear")
-
-
-@pytest.mark.parametrize("ends", [(0.02, 0.5), (0.21, 0.99), (3.0, 290.0)])
-def test_labels_of_a_logarithmic_axis_do_not_overlap(ends):
-    x = np.geomspace(*ends, 20)
-    figure = swept_figure(StudyAxis(Label("y"), np.arange(20.0)), StudyAxis(Label("x"), x))
-    FigureCanvasAgg(figure).draw()
-    axis = figure.axes[0]
-    low, high = axis.get_xlim()
-    ticks = [*axis.xaxis.get_major_ticks(), *axis.xaxis.get_minor_ticks()]
-    shown = [tick.label1 for tick in ticks if low <= tick.get_loc() <= high and tick.label1.get_text()]
-    boxes = sorted(((box := label.get_window_extent()).x0, box.x1) for label in shown)
-    assert len(boxes) >= 3
-    assert all(right < left for (_, right), (left, _) in itertools.pairwise(boxes))
-
-
 def legend(figure):
     return [text.get_text() for one in figure.legends for text in one.get_texts()]
-
-
-@pytest.mark.parametrize("holes", [False, True])
-def test_the_axis_of_a_quantity_that_is_never_negative_has_no_number_below_0(holes):
-    y = np.array([0.0, 40.0, np.nan if holes else 120.0, 120.0])
-    figure = swept_figure(StudyAxis(Label("y"), y), StudyAxis(Label("x"), np.arange(4.0)))
-    axis = figure.axes[0]
-    assert min(axis.get_yticks()) == 0.0
-    assert (axis.get_ylim()[0] < 0.0) == holes  # for the tick of the case without a number
-    assert holes == (axis.spines["left"].get_bounds() is not None)
-
-
-def test_a_value_that_is_sought_and_the_places_where_it_is_are_marked_in_the_units_of_the_axes():
-    x, y = np.array([1e3, 2e3, 4e3]), np.array([120.0, 90.0, 40.0])
-    sought = Sought(100.0, np.array([1.5e3]), np.array([10.0]))
-    figure = swept_figure(StudyAxis(Label("bead"), y), StudyAxis(Label("stiffness", "k", "N/m"), x), sought=sought)
-    axis = figure.axes[0]
-    (level,) = [line for line in axis.get_lines() if line.get_label() == "value sought: 100"]
-    assert set(level.get_ydata()) == {100.0}
-    (mark,) = axis.containers
-    assert mark.lines[0].get_xydata().tolist() == [[1.5, 100.0]]
-    assert legend(figure) == ["value sought: 100", "crossing: $k$ = 1.500 \u00b1 0.010"]
-    assert axis.get_xlabel() == "stiffness $k$ (kN/m)"
-
-
-def test_a_map_has_every_number_in_its_place_crosses_unsettled_ones_and_hatches_places_without_a_number():
-    x, y = (part.ravel() for part in np.meshgrid([0.1, 0.2, 0.4], np.arange(1.0, MOST_LINES + 2)))
-    keep = ~((x == 0.2) & (y == 3.0))
-    figure = map_figure(
-        StudyAxis(Label("z"), (x * y)[keep], None, (y == 3.0)[keep]),
-        StudyAxis(Label("x"), x[keep]),
-        StudyAxis(Label("y"), y[keep]),
-    )
-    axis = figure.axes[0]
-    mesh = axis.collections[0]
-    expected = np.arange(1.0, MOST_LINES + 2)[:, None] * np.array([0.1, 0.2, 0.4])
-    expected[2, 1] = np.nan
-    np.testing.assert_array_equal(np.ma.filled(mesh.get_array(), np.nan), expected)
-    assert (axis.get_xscale(), axis.get_yscale()) == ("log", "linear")
-    assert (axis.patch.get_hatch(), axis.patch.get_facecolor()) == ("////", (1.0, 1.0, 1.0, 1.0))
-    assert legend(figure) == ["not settled", "no number"]
-    for line in axis.get_lines():
-        np.testing.assert_array_equal(line.get_xydata(), [[0.1, 3.0], [0.4, 3.0]])
 
 
 @pytest.mark.parametrize("factor", [1.0, 100.0])
@@ -296,14 +217,6 @@ def test_contours_of_a_map_lie_where_the_quantity_has_their_value(factor):
     assert len(contours.levels) >= 3
     for level, path in zip(contours.levels, contours.get_paths(), strict=True):
         np.testing.assert_allclose(1.0 + factor * (path.vertices @ [1.0, 2.0]), level, rtol=1e-12)
-
-
-@pytest.mark.parametrize("values", [[1.0, 1.0, 1.0, 1.0], [np.nan, 2.0, np.nan, np.nan]])
-def test_a_map_of_one_value_has_no_contours(values):
-    x, y = np.array([1.0, 2.0, 1.0, 2.0]), np.array([1.0, 1.0, 2.0, 2.0])
-    figure = map_figure(StudyAxis(Label("z"), np.array(values)), StudyAxis(Label("x"), x), StudyAxis(Label("y"), y))
-    figure.draw_without_rendering()
-    assert len(figure.axes[0].collections) == 1
 
 
 def test_a_field_of_more_values_than_lines_is_refused_with_the_limit_and_drawn_as_a_map():
@@ -320,12 +233,6 @@ def test_a_field_of_more_values_than_lines_is_refused_with_the_limit_and_drawn_a
     assert mesh.get_array().shape == (MOST_LINES + 1, 2)
 
 
-def test_a_crossing_has_two_digits_of_its_uncertainty_which_is_not_rounded_down_to_one():
-    x, sought = np.array([0.1, 0.2, 0.4]), Sought(20.0, np.array([0.215314]), np.array([0.00015]))
-    figure = swept_figure(StudyAxis(Label("bead"), 100.0 * x), StudyAxis(Label("stiffness"), x), sought=sought)
-    assert legend(figure)[1] == "crossing: 0.21531 \u00b1 0.00015"
-
-
 def test_the_legend_names_the_bars_of_a_collected_quantity_where_there_are_any():
     case = {"outcome": "done", "state": "equipartitioned", "amplitude": 0.3, "amplitude_uncertainty": 0.1}
     rows = [{**case, "gap": gap} for gap in (0.1, 0.2)]
@@ -333,36 +240,6 @@ def test_the_legend_names_the_bars_of_a_collected_quantity_where_there_are_any()
     assert "uncertainty" in legend(collecting.drawn(found, "amplitude", "gap"))
     unknown = [{**row, "amplitude_uncertainty": None} for row in rows]
     assert "uncertainty" not in legend(collecting.drawn(replace(found, rows=unknown), "amplitude", "gap"))
-
-
-def test_uncertainties_are_bars_and_cases_that_are_not_settled_are_hollow():
-    x, open_ = np.array([3.0, 1.0, 2.0]), np.array([False, True, False])  # cases come in the order of any field
-    figure = swept_figure(StudyAxis(Label("y"), 2.0 * x, 0.1 * x, open_), StudyAxis(Label("x"), x), title="scene")
-    axis = figure.axes[0]
-    assert (figure.get_suptitle(), legend(figure)) == ("scene", ["not settled"])
-    (hollow,) = [line for line in axis.get_lines() if line.get_markerfacecolor() == "white"]
-    np.testing.assert_array_equal(hollow.get_xydata(), [[1.0, 2.0]])
-    (bars,) = axis.collections
-    np.testing.assert_allclose([part[:, 1] for part in bars.get_segments()], np.outer([1.0, 2.0, 3.0], [1.9, 2.1]))
-
-
-@pytest.mark.parametrize("lines", [False, True])
-def test_cases_without_a_number_are_ticks_at_the_foot_and_no_mark_is_cut(lines):
-    x, y = (
-        np.array([0.05, 0.1, 0.2]),
-        np.array([np.nan, 1.0, 2.0]),
-    )  # so few are the ticks themselves
-    figure = swept_figure(
-        StudyAxis(Label("y"), y), StudyAxis(Label("x"), x), StudyAxis(Label("z"), np.ones(3)) if lines else None
-    )
-    axis = figure.axes[0]
-    assert legend(figure)[-1] == "no number"
-    (foot,) = [line for line in axis.get_lines() if line.get_marker() == "|"]
-    assert foot.get_xdata().tolist() == [0.05]
-    figure.draw_without_rendering()
-    first, last = axis.get_xlim()
-    assert first < 0.05 * 0.95
-    assert last > 0.2 * 1.05
 
 
 def test_an_amplitude_is_printed_with_its_uncertainty_to_the_digits_that_are_sure():
@@ -449,16 +326,6 @@ def test_frequencies_that_do_not_pass_are_shaded_in_the_figure_over_frequency(sh
     collecting.plot(collect(shaken), shaken, "transmissibility", "drive.frequency", None)
     assert drawn[0].get_suptitle() == "shaken"
     assert "no small waves pass" in legend(drawn[0])
-
-
-def test_what_lies_between_bands_is_shaded():
-    x = np.array([1.0, 5.0, 9.0])
-    bands = np.array([[6.0, 7.0], [0.0, 3.0], [2.0, 4.0]])
-    axis = swept_figure(StudyAxis(Label("y"), x), StudyAxis(Label("x"), x), None, "", bands).axes[0]
-    first, last = axis.get_xlim()
-    shaded = [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in axis.patches]
-    np.testing.assert_allclose(shaded, [(4.0, 6.0), (7.0, last)])
-    assert first < 1.0 < 9.0 < last
 
 
 @pytest.fixture
