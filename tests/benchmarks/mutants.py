@@ -235,7 +235,8 @@ class Ordered:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Register what the environment asks for."""
-    if place := os.environ.get("MUTANTS_TRACED"):
+    place = os.environ.get("MUTANTS_TRACED")
+    if place and (hasattr(config, "workerinput") or not config.option.numprocesses):  # where the tests run
         config.pluginmanager.register(Traced(place))
     if file := os.environ.get("MUTANTS_TESTS"):
         config.pluginmanager.register(Ordered(file))
@@ -346,7 +347,7 @@ class Clone:
         return ""
 
 
-NICE = "10"
+NICE = os.environ.get("MUTANTS_NICE", "10")
 
 
 def main(arguments: list[str]) -> int:
