@@ -13,6 +13,7 @@ least time first, up to the first failure. A compiled line is not traced: it has
 import argparse
 import ast
 import concurrent.futures
+import contextlib
 import itertools
 import json
 import os
@@ -307,8 +308,10 @@ class Clone:
         try:
             output, _ = process.communicate(timeout=seconds)
         except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
-            return -signal.SIGKILL, process.communicate()[0]
+            return -signal.SIGKILL, ""
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)  # with all that it left behind
         return process.returncode, output
 
     def trace(self, file: Path, tests: list[str], jobs: int) -> None:
