@@ -204,7 +204,7 @@ class Traced:
         self.coverage.switch_context(item.nodeid)
         started = time.perf_counter()
         yield
-        self.seconds[item.nodeid] = time.perf_counter() - started
+        self.seconds.setdefault(item.nodeid, time.perf_counter() - started)
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Note a failure: such a test finds nothing."""
