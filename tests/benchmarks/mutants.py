@@ -141,7 +141,7 @@ def in_texts(source: bytes) -> Iterator[tuple[int, int, str]]:
     at = At(source)
     docstrings = {node.lineno for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Expr)}
     lines = iter(source.splitlines(keepends=True))
-    number, operator = r"(?<![\w.\[{])\d+(?:\.\d+)?(?![\w.])", r"(?<= )(?:[-+*/<>=!]{1,2}|and|or|not in|in)(?= )"
+    number, operator = r"(?<![\w.\[{])\d+(?:\.\d+)?(?![\w.])", r"(?<= )(?:[-+*/<>=!]{1,2}|and|or)(?= )"
     for token in tokenize.tokenize(lambda: next(lines, b"")):
         if token.type != tokenize.STRING or token.start[0] in docstrings:
             continue
@@ -246,7 +246,8 @@ def pytest_configure(config: pytest.Config) -> None:
 class Map:
     """Which tests execute which lines, and how long they take."""
 
-    def __init__(self, file: Path) -> None:
+    def __init__(self, file: Path, budget: float) -> None:
+        self.budget = budget  # of the tests that a mutant meets
         content = json.loads(file.read_text(encoding="utf-8"))
         self.seconds: dict[str, float] = content["seconds"]  # those that pass
         self.lines: dict[str, dict[str, list[str]]] = content["lines"]
@@ -273,9 +274,12 @@ class Map:
         home = f"tests/{Path(mutant.path).parent.as_posix()}/"
         near, far = ([file for file in order if file.startswith(home) is nearby] for nearby in (True, False))
         rest = [test for file in order for test in self.of_file[file] if test not in exact]
-        return [
-            batch for batch in ([t for f in near for t in files[f]], [t for f in far for t in files[f]], rest) if batch
-        ]
+        affordable, total = [], 0.0
+        for batch in ([t for f in near for t in files[f]], [t for f in far for t in files[f]], rest):
+            sums = zip(batch, itertools.accumulate((self.seconds[test] for test in batch), initial=total), strict=False)
+            affordable.append([test for test, before in sums if before < self.budget])
+            total += sum(self.seconds[test] for test in batch)
+        return [batch for batch in affordable if batch]
 
 
 class Clone:
@@ -361,6 +365,9 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--only", default="", metavar="PATH", help="mutants of a file or folder")
     parser.add_argument("--map", type=Path, default=ROOT / "build" / "mutants.json", help="made if it is missing")
     parser.add_argument("--tests", nargs="*", default=["tests"], help="that the map is made of")
+    parser.add_argument(
+        "--budget", type=float, default=600.0, help="seconds of the tests that a mutant meets, default 600"
+    )
     parser.add_argument("--jobs", type=int, default=2)
     chosen = parser.parse_args(arguments)
     files = [file for folder in FOLDERS for file in sorted((ROOT / folder).rglob("*.py"))]
@@ -374,7 +381,7 @@ def main(arguments: list[str]) -> int:
         if not chosen.map.is_file():
             chosen.map.parent.mkdir(exist_ok=True)
             clones[0].trace(chosen.map, chosen.tests, chosen.jobs)
-        tests_of, idle = Map(chosen.map), queue.SimpleQueue[Clone]()
+        tests_of, idle = Map(chosen.map, chosen.budget), queue.SimpleQueue[Clone]()
         for clone in clones:
             idle.put(clone)
 
@@ -386,7 +393,8 @@ def main(arguments: list[str]) -> int:
                 idle.put(clone)
 
         with concurrent.futures.ThreadPoolExecutor(chosen.jobs) as pool:
-            for mutant, test in pool.map(judged, drawn):
+            for future in concurrent.futures.as_completed([pool.submit(judged, mutant) for mutant in drawn]):
+                mutant, test = future.result()
                 print(f"{said(mutant)} | {test or 'SURVIVED'}", flush=True)
                 survivors += [mutant] * (not test)
     print(f"seed {chosen.seed}: {len(drawn) - len(survivors)} of {len(drawn)} found, of {len(every)}; survivors:")
