@@ -363,6 +363,9 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--number", type=int, default=100, help="mutants drawn, default 100")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="", metavar="PATH", help="mutants of a file or folder")
+    parser.add_argument(
+        "--again", type=Path, metavar="FILE", help="the mutants in a table that was printed, not drawn ones"
+    )
     parser.add_argument("--map", type=Path, default=ROOT / "build" / "mutants.json", help="made if it is missing")
     parser.add_argument("--tests", nargs="*", default=["tests"], help="that the map is made of")
     parser.add_argument(
@@ -375,6 +378,9 @@ def main(arguments: list[str]) -> int:
     every = [mutant for path in paths for mutant in mutants_of(path)]
     random.Random(chosen.seed).shuffle(every)
     drawn = list(itertools.islice(filter(is_python, every), chosen.number))
+    if chosen.again:
+        wanted = {key(row) for row in chosen.again.read_text(encoding="utf-8").splitlines()}
+        drawn = [mutant for mutant in every if key(said(mutant)) in wanted]
     survivors = []
     with tempfile.TemporaryDirectory(prefix="granchain-mutants-") as root:
         clones = [Clone(Path(root) / f"clone-{n}") for n in range(chosen.jobs)]
@@ -403,9 +409,18 @@ def main(arguments: list[str]) -> int:
 
 
 def said(mutant: Mutant) -> str:
-    """A row on a mutant."""
-    line = (ROOT / mutant.path).read_text(encoding="utf-8").split("\n")[mutant.line - 1].strip()
-    return f"{mutant.path}:{mutant.line} | `{mutant.old}` -> `{mutant.new}` | `{line}`"
+    """A row on a mutant: its file, line and column, counted from 1, what is changed, and the line."""
+    source = (ROOT / mutant.path).read_bytes()
+    begin = source.rfind(b"\n", 0, mutant.start) + 1
+    line = source[begin:].partition(b"\n")[0].decode().strip()
+    column = mutant.start - begin + 1
+    return f"{mutant.path}:{mutant.line}:{column} | `{mutant.old}` -> `{mutant.new}` | `{line}`"
+
+
+def key(row: str) -> tuple[str, ...]:
+    """What a row says but the number of the line, which moves."""
+    place, *change = row.split(" | ")[:3]
+    return (*place.split(":")[::2], *change)
 
 
 if __name__ == "__main__":
