@@ -107,6 +107,13 @@ def test_the_top_of_an_overlap_is_found_within_the_step_to_third_order():
     assert -np.polyfit(np.log(steps), np.log(error), 1)[0] > 2.4  # contacts that open allow no more than 2.5
 
 
+def test_the_centre_of_mass_goes_on_as_before_through_every_contact_that_yields_and_opens():
+    """Places and velocities are set right within coarse steps, by as much in one bead as in the other."""
+    run = engine.run(plastic(beads=8, kick=[{"velocity": 1.0}, {"bead": 5, "velocity": -0.4}]).problem())
+    assert np.max(run.contact_state) > 0.2
+    np.testing.assert_allclose(run.displacement.sum(axis=(1, 2)), 0.6 * run.time, rtol=1e-12, atol=1e-12)
+
+
 def test_a_yield_strength_is_the_overlap_at_which_its_pressure_is_reached():
     law = plastic(None, material=STEEL, kick={"velocity": 0.1}).system.along[0].law
     assert law.onset == pytest.approx(0.0431, abs=5e-5)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import quad
 from small_problems import system
 
 from lammps_inputs import laws
@@ -23,6 +24,7 @@ from lammps_inputs.laws.dashpot import (
     Restitution,
     Viscoelastic,
 )
+from lammps_inputs.laws.plastic import Thornton, WaltonBraun
 from lammps_inputs.laws.spring import Duffing, Linear
 from lammps_inputs.layout import across_of, layout_of
 from lammps_inputs.links import Links
@@ -134,6 +136,40 @@ def test_a_contact_pressed_so_many_times_bears_that_load(law):
     np.testing.assert_allclose(pressed(law, 2.0).load, 2.0 * law.load, rtol=1e-14)
     assert laws.force(pressed(law, 2.0), 0.0) == pytest.approx(0.0, abs=1e-9 * np.max(law.load))
     assert np.all(pressed(law, 0.0).load < 1e-100)
+
+
+# --- contacts that yield ----------------------------------------------------------------------------------------------
+
+YIELDING = {
+    "yielded": Thornton(1.7, 0.1),
+    "yielded under a load": Thornton(1.7, 0.1).pressed_to(0.2),
+    "still elastic": Thornton(1.7, 0.6),
+    "linear": WaltonBraun(1.7, 0.8),
+}
+
+
+@pytest.mark.parametrize("law", YIELDING.values(), ids=YIELDING)
+def test_a_contact_that_yields_opens_at_its_permanent_overlap_and_has_lost_what_it_does_not_return(law):
+    """Pressed to an overlap of 0.5 and let go; forces are integrated along both ways."""
+    rest, load = (getattr(law, name, 0.0) for name in ("rest", "load"))
+    largest = replace(law, largest=0.5)
+    opens, top = float(largest.permanent(*largest)) - rest, 0.5 - rest
+
+    def pushes(of, begin, end):
+        return quad(lambda s: float(of.force(s, *of)) + load, begin, end, epsabs=1e-13, points=[0.1 - rest])[0]
+
+    assert float(largest.force(opens - 1e-9, *largest)) + load == pytest.approx(0.0, abs=1e-15)
+    assert float(largest.force(opens + 1e-3, *largest)) + load > 1e-5
+    spent, returned = pushes(law, 0.0, top), pushes(largest, opens, top)
+    lost = spent + pushes(law, float(law.permanent(*law)) - rest, 0.0) - returned
+    assert float(largest.dissipated(*largest)) == pytest.approx(lost, rel=1e-8, abs=1e-10)
+    assert float(law.max_strain(spent - load * top, *law)) == pytest.approx(top, rel=1e-8)
+    assert float(law.next_state(top, *law)) == 0.5
+    for of, s in ((law, 0.7 * top), (largest, 0.5 * (opens + top)), (largest, opens - 0.01)):
+        slope = (of.force(s + 1e-6, *of) - of.force(s - 1e-6, *of)) / 2e-6
+        assert float(of.stiffness(s, *of)) == pytest.approx(float(slope), rel=1e-7, abs=1e-9)
+        gained = (of.energy(s + 1e-6, *of) - of.energy(s - 1e-6, *of)) / 2e-6
+        assert of is law or float(of.force(s, *of)) == pytest.approx(float(gained), rel=1e-7, abs=1e-9)
 
 
 # --- dashpots ---------------------------------------------------------------------------------------------------------

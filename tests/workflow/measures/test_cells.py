@@ -32,3 +32,10 @@ def test_what_a_pulse_carries_and_loses_in_closer_frames_differs_by_no_more_than
         assert abs(getattr(found, name) - getattr(exact, name)) <= stated
         assert np.isfinite(stated)
     assert found.carried_error < 1e-3 * found.carried
+
+
+def test_a_pulse_that_passes_no_whole_cell_carries_what_it_has_at_the_last_bead_and_loses_nothing_known(dimer):
+    whole, found = carried_in(dimer), left(Survey(dimer.problem, dimer.blocks, "maximum"), 1, dimer.problem.beads)
+    assert found is not None
+    assert (found.carried, found.carried_error) == (whole.carried, whole.carried_error)
+    assert np.isnan([found.per_cell, found.rate, found.per_cell_error, found.rate_error]).all()

@@ -17,6 +17,7 @@ from workflow.measures.far_end import FarEndMeasurement, Transmitted
 from workflow.measures.forces.measurement import ForceMeasurement
 from workflow.measures.forces.readings import Readings
 from workflow.measures.spectra import SpectrumMeasurement, VelocitySpectra
+from workflow.measures.window import LeftBehind, WindowMeter
 from workflow.screen import print_table
 
 STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
@@ -267,3 +268,12 @@ def test_a_measurement_is_displayed_as_its_numbers_in_the_scenes_units(problem):
     found = FarEndMeasurement(problem, Transmitted(2.0, 1.0, 3.0, 0.5))
     assert repr(found) == f"<far_end of {problem.name}, in the scene's units: {found.plain()}>"
     assert f"'delay': {3.0 * problem.scale.time!r}" in repr(found)
+
+
+def test_a_window_leaves_behind_the_largest_of_the_velocities_that_beads_had_when_it_left_them():
+    """First bead of the window in each part, and the velocities of its beads at the end of that part."""
+    pieces = [(1, np.array([0.1, 0.5, 0.2])), (3, np.array([0.9, 0.0, 0.0])), (3, np.array([0.3, 0.7, 0.0]))]
+    pieces += [(4, np.array([0.8, 0.9, 0.9]))]
+    assert WindowMeter().result(pieces) == LeftBehind(0.5, 2)
+    assert WindowMeter().result(pieces[1:]) == LeftBehind(0.3, 3)
+    assert WindowMeter().result(pieces[:1]) == LeftBehind()

@@ -70,6 +70,18 @@ def test_the_work_on_frames_is_that_on_their_own_motion():
     np.testing.assert_allclose(found, 1.02 * own.exchange[:, -1], rtol=2e-4, atol=1e-15)
 
 
+@pytest.mark.parametrize("steps_a_call", [1, 3, 20], ids=lambda steps: f"{steps} steps a call")
+def test_frames_are_the_same_bit_for_bit_however_many_steps_a_call_takes(steps_a_call, monkeypatch):
+    """Seven steps a frame, while a force acts: parts of a frame in a call, or two frames."""
+    one = pushed(Load(1, 1, half_sine(0.5, 3.0)), frames=40)
+    whole = engine.run(one, steps_per_frame=7)
+    monkeypatch.setattr(engine.IntegratorState, "steps_a_call", lambda *_: steps_a_call)
+    parts = engine.run(one, steps_per_frame=7)
+    for ours, theirs in ((parts.displacement, whole.displacement), (parts.velocity, whole.velocity)):
+        np.testing.assert_array_equal(ours, theirs)
+    np.testing.assert_array_equal(parts.exchange, whole.exchange)
+
+
 def test_nothing_moves_that_the_push_has_not_reached():
     one = pushed(Load(1, 20, half_sine(0.8, 2.0)), chains=1, beads=40, frames=50)
     whole = engine.run(one)
