@@ -168,4 +168,5 @@ def residual_figure(
         rows.append([Panel(x, Axis(Label(f"residual\n/ {unit}")), (left,), marks=zero)])
     more = f"; {len(measured.channels) - count} more channels" if len(measured.channels) > count else ""
     heading = f"{title(problem)}\ndata and run{more}{mark}"
-    return draw(Sheet(heading, rows, 0.8 + 2.2 * count, heights=(2.0, 1.0) * count))
+    each = 3.0 if is_narrow() else 2.2  # room for labels beside panels
+    return draw(Sheet(heading, rows, 0.8 + each * count, heights=(2.0, 1.0) * count))

@@ -568,7 +568,7 @@ REFUSED = [
     _refused("gravity: nothing holds the column", walls={"right": {"damping": 1.0}}, gravity=0.1),
     _refused("gravity: nothing holds the column", gravity=0.1),
     _refused("gravity: nothing holds the column", walls={"left": "flat"}, gravity=0.1),
-    _refused("leave the gap out, or let the beads fall: `gravity: {acceleration: 0.1, settled", gap=1.0, gravity=0.1),
+    _refused("gap: beads under a static load touch; leave the gap out, or let the beads fall", gap=1.0, gravity=0.1),
     _refused("gravity.acceleration: should be greater than 0, -0.1 given", gravity=-0.1),
     _refused("gravity.acceleration: should be a number", gravity="strong"),
     _pushed(".shape: should be 'half-sine' or 'rectangular'", {**_HALF_SINE, "shape": "sine"}),

@@ -68,7 +68,7 @@ def draw(
         axes[1].vlines(number, -bounds, bounds, color="0.8", linewidth=3.0)
         axes[1].errorbar(number, exponents, yerr=errors, fmt="o", markersize=3, color="black")
         axes[1].axhline(0.0, color="0.6", linewidth=0.8)
-        axes[1].set_xlabel("number of the exponent")
+        axes[1].set_xlabel("number of\nthe exponent" if style.is_narrow() else "number of the exponent")
         axes[1].locator_params(axis="x", integer=True)
         axes[1].set_ylabel(labels[0].mathtext)
         style.letter(axes)

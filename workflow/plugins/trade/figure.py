@@ -41,7 +41,7 @@ def work_precision_figure(
         _draw_front(axis, fronts[quantity])
         for number, (name, curve) in enumerate(curves.items()):
             _draw(axis, number, name, curve, (f"{quantity}_error", "seconds"), spread=True)
-        axis.set_xlabel("wall time with frames (s)")
+        axis.set_xlabel("wall time\nwith frames (s)" if style.is_narrow() else "wall time with frames (s)")
         _finish(axis, quantity, floors[quantity])
     for number, (name, curve) in enumerate(curves.items()):
         _draw(forces, number, name, curve, ("velocity_error", "forces"))
