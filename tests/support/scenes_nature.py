@@ -132,7 +132,11 @@ class Nature:
     def _has(self) -> dict[str, bool]:
         """What there is at all: asked at every step."""
         cubic = any(np.any(c) for *_, c in self.springs)
-        return {"loss": bool(np.any(self.loss[0])), "ground": bool(np.any(self.ground)), "cubic": cubic}
+        return {
+            "loss": bool(np.any(self.loss[0])),
+            "ground": self.stiffness is not None or bool(np.any(self.ground)),
+            "cubic": cubic,
+        }
 
     def overlap(self, x: Floats) -> Floats:
         """Of contacts, negative where beads are apart."""
