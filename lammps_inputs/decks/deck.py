@@ -178,8 +178,7 @@ def _of_link(link: Links, system: System, layout: BeadLayout) -> DeckLines:
     law: Any = link.law
     if link.kind == "along" and system.closing:
         ends_of_box(system)
-        [closing] = system.closing
-        law = laws.joined(law, closing.law, (system.chains, system.beads - 1))
+        law = physics.law_of_contacts(system)
     lines: DeckLines = getattr(law, _kind(link))(across_of(link, system) if link.edges else link.name, layout)
     damped = link.kind == "along" and layout.contact_loss is not None
     return dashpot.beside(lines, layout) if damped and not lines.damped else lines
