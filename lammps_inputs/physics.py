@@ -408,6 +408,14 @@ def exponent(system: System) -> float | None:
     return powers[0] if alike else None
 
 
+def law_of_contacts(system: System) -> Any:
+    """Law of the contacts of chains; of rings also of those that close them, which are the last of each chain."""
+    law = system.along[0].law
+    for link in system.closing:
+        law = laws.joined(law, link.law, (system.chains, system.beads - 1))
+    return law
+
+
 @once
 def loaded(system: System) -> bool:
     """Whether contacts are loaded at rest, so that there is sound."""

@@ -87,6 +87,7 @@ def render_deck(problem: Problem, start: Sequence[str] = (), opening: float = 0.
             *neighbour_lines(problem, opening or _opening(problem)),
             *number_fix(problem),
             f"read_data {file_names.DATA}" + " fix numbers NULL Numbers" * bool(number_fix(problem)),
+            *_held_start_lines(problem, start),
             *group_lines(problem),
             *_mass_lines(problem),
         ],
@@ -177,8 +178,7 @@ def _of_link(link: Links, system: System, layout: BeadLayout) -> DeckLines:
     law: Any = link.law
     if link.kind == "along" and system.closing:
         ends_of_box(system)
-        [closing] = system.closing
-        law = laws.joined(law, closing.law, (system.chains, system.beads - 1))
+        law = physics.law_of_contacts(system)
     lines: DeckLines = getattr(law, _kind(link))(across_of(link, system) if link.edges else link.name, layout)
     damped = link.kind == "along" and layout.contact_loss is not None
     return dashpot.beside(lines, layout) if damped and not lines.damped else lines
@@ -388,10 +388,10 @@ def start_lines(problem: Problem) -> list[str]:
     lines = []
     if system.start is not None:
         lines = [
-            "# the data file has velocities at the start, and displacements in place of vy",
-            "variable place atom x+vy",
-            "set group all x v_place",
-            "set group all vy 0.0",
+            "variable place atom x+f_start[2]",
+            "variable velocity atom f_start[1]",
+            "set group all x v_place vx v_velocity",
+            "unfix start",
         ]
     lines += loads.start_lines(system.motions, layout)
     for number, (chain, bead, _) in enumerate(system.kicks, 1):
@@ -399,6 +399,17 @@ def start_lines(problem: Problem) -> list[str]:
         kick = f"$({text(before)}+v_kick{number}:%.17g)" if before else f"${{kick{number}}}"
         lines.append(f"set atom {layout.atom(chain, bead)} vx {kick}")
     return lines
+
+
+def _held_start_lines(problem: Problem, start: Sequence[str]) -> list[str]:
+    """LAMMPS commands that keep the start that the data file has until the forces at rest are known, of no velocity."""
+    if problem.system.start is None or start:
+        return []
+    return [
+        "# the data file has velocities at the start, and displacements in place of vy",
+        "fix start all store/state 0 vx vy",
+        "set group all vx 0.0 vy 0.0",
+    ]
 
 
 def _opening(problem: Problem) -> float:

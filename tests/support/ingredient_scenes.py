@@ -218,7 +218,7 @@ CASES: dict[str, dict[str, Any]] = {
     "driven by records, damped": {"drive": RECORDED[:2] + RECORDED[3:], "kick": None, "damping": LOSSES["all"]},
     "driven, pressed": {"drive": MOVED, "kick": None, **PRESSED},
     "initial states, gap, kicked": {"initial": STARTS, "gap": 0.1, "kick": {"bead": 3, "velocity": 0.4}},
-    "initial states, damped": {"initial": STARTS[:2], "damping": LOSSES["viscoelastic"], "kick": None},
+    "initial states, pressed, damped": {**PRESSED, "initial": STARTS[:2], "damping": LOSSES["all"], "kick": None},
     "initial states of all atoms, pressed, damped, walls": {
         **HELD,
         "initial": {"table": TABLE},

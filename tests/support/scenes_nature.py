@@ -132,7 +132,11 @@ class Nature:
     def _has(self) -> dict[str, bool]:
         """What there is at all: asked at every step."""
         cubic = any(np.any(c) for *_, c in self.springs)
-        return {"loss": bool(np.any(self.loss[0])), "ground": bool(np.any(self.ground)), "cubic": cubic}
+        return {
+            "loss": bool(np.any(self.loss[0])),
+            "ground": self.stiffness is not None or bool(np.any(self.ground)),
+            "cubic": cubic,
+        }
 
     def overlap(self, x: Floats) -> Floats:
         """Of contacts, negative where beads are apart."""
@@ -145,9 +149,8 @@ class Nature:
     def contacts(self, x: Floats, v: Floats) -> Floats:
         """Force of contacts, that at rest and the dashpots' included."""
         closed = np.maximum(self.overlap(x), 0.0)
-        if "contact" in self.formulas:
-            return np.asarray(self.strength * self.formulas["contact"](self.overlap(x)))
-        push = self.strength * _power(closed, self.exponent)
+        shape = self.formulas.get("contact")
+        push = self.strength * (_power(closed, self.exponent) if shape is None else shape(self.overlap(x)))
         coefficient, power = self.loss
         if self._has["loss"]:
             push = push + np.where(closed > 0.0, coefficient * closed**power * self.closing(v), 0.0)
@@ -156,9 +159,8 @@ class Nature:
     def at_wall(self, wall: Wall, x: Floats, v: Floats) -> Floats:
         """Force of a wall, [..., chain], that at rest and the dashpots' included."""
         closed = np.maximum(wall.rest + wall.side * x[..., wall.bead] - self.wall_gap, 0.0)
-        if "contact" in self.formulas:
-            return np.asarray(wall.strength * self.formulas["contact"](wall.side * x[..., wall.bead] - self.wall_gap))
-        push = wall.strength * _power(closed, self.exponent)
+        strain, shape = wall.side * x[..., wall.bead] - self.wall_gap, self.formulas.get("contact")
+        push = wall.strength * (_power(closed, self.exponent) if shape is None else shape(strain))
         if self._has["loss"]:
             loss = np.where(closed > 0.0, wall.loss * closed ** self.loss[1], 0.0)
             push = push + loss * wall.side * v[..., wall.bead]

@@ -13,7 +13,7 @@ Examples:
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 
@@ -90,9 +90,7 @@ class YieldMeter(Meter[Trajectory | None, tuple[Yielded, YieldTable] | None]):
         if last is None or last.contact_state is None:
             return None
         system = last.system_at(-1)
-        law: Any = system.along[0].law
-        for link in system.closing:
-            law = laws.joined(law, link.law, (system.chains, system.beads - 1))
+        law = physics.law_of_contacts(system)
         shape = (system.chains, system.beads - (not system.closing))
         largest = laws.turning_overlap(law)
         force = np.broadcast_to(laws.whole_force(law, largest), shape)

@@ -259,7 +259,7 @@ class Mobility:
 
     @property
     def free(self) -> NDArray[np.bool_]:
-        """Whether forces move an atom."""
+        """Whether forces move an atom, [atom]."""
         return self.integrated & self.pushed & ~self.driven
 
 
