@@ -198,6 +198,7 @@ class Entry:
         axes, draw, caption: labels, contents and caption of a figure of one panel.
         pictures: runs -> figures instead of that one.
         swept: name -> scene that is run by the reference only.
+        tables: runs -> files of numbers, name -> text.
         sources: key of the bibliography -> what could be read of the publication.
     """
 
@@ -210,6 +211,7 @@ class Entry:
     caption: str = ""
     pictures: Callable[[Results], Sequence[page.PageFigure]] = lambda _: ()
     swept: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    tables: Callable[[Results], Mapping[str, str]] = lambda _: {}
     sources: Mapping[str, str] = field(default_factory=dict)
 
     def build(self, folder: Path) -> Section:
@@ -232,7 +234,8 @@ class Entry:
         pictures = [*self.pictures(results)]
         if self.draw is not None:
             pictures.append(page.drawn("figure", panel(self.axes, self.draw, results), self.caption))
-        return Section(self.title, self.introduction, list(self.statements(results)), pictures, notes, self.sources)
+        statements, tables = list(self.statements(results)), self.tables(results)
+        return Section(self.title, self.introduction, statements, pictures, notes, self.sources, tables)
 
 
 LARGE = 1e-3

@@ -48,6 +48,7 @@ class Section:
         pictures: figures below the table.
         notes: paragraphs between the two.
         sources: key of the bibliography -> what could be read of the publication.
+        tables: files of numbers, name -> text.
         failed: why there are no statements, where that is so.
     """
 
@@ -57,6 +58,7 @@ class Section:
     pictures: Sequence[page.PageFigure] = field(default_factory=tuple)
     notes: Sequence[str] = field(default_factory=tuple)
     sources: Mapping[str, str] = field(default_factory=dict)
+    tables: Mapping[str, str] = field(default_factory=dict)
     failed: str = ""
 
     @property
@@ -67,11 +69,11 @@ class Section:
 
 
 def files_of(section: Section) -> dict[str, str | bytes]:
-    """Files that hold a section in a folder of its own, by name, for `kept`: its text and pictures."""
+    """Files that hold a section in a folder of its own, by name, for `kept`: its text, pictures and tables."""
     captions = [{"name": picture.name, "caption": picture.caption} for picture in section.pictures]
     plain = {**asdict(replace(section, pictures=())), "pictures": captions}
     images = {f"{picture.name}.png": picture.image for picture in section.pictures}
-    return {**images, SECTION: json.dumps(plain, indent=1) + "\n"}
+    return {**images, **section.tables, SECTION: json.dumps(plain, indent=1) + "\n"}
 
 
 def kept(folder: Path) -> Section | None:

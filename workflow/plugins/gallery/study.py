@@ -12,7 +12,7 @@ from granchain import InputError
 from granchain.parts import Study, checked, complaints, computations, html, output_directory, screen
 from workflow.plugins.gallery import statements
 from workflow.plugins.gallery.criteria import RULE
-from workflow.plugins.gallery.entries import ENTRIES, GROUPS
+from workflow.plugins.gallery.entries import ENTRIES, GROUPS, LONG, LONGEST
 
 PAGE = "index.html"
 FOLDER = "entries"
@@ -40,12 +40,13 @@ SUMMARY = (
 
 
 @checked
-def gallery(directory: Path | str, names: Sequence[str] = ()) -> Sections:
+def gallery(directory: Path | str, names: Sequence[str] = (), *, everything: bool = False) -> Sections:
     """Compute published results and compare them with the publications; writes ``index.html``.
 
     Args:
         directory: new, or resumed.
-        names: entries to run, or groups of them such as ``paper``; all by default.
+        names: entries to run, or groups of them such as ``paper``; by default all but those of ``paper-open``.
+        everything: whether those are run, too, and the finest grids.
 
     Returns:
         The section of the page of each of these entries, by its name; that of one that failed says why.
@@ -58,17 +59,24 @@ def gallery(directory: Path | str, names: Sequence[str] = ()) -> Sections:
         >>> list(sections), sections["tapered"].failed
         (['tapered'], '')
     """
-    _chosen(names, "names")
+    _chosen(names, everything, "names")
     with screen.count_bar("gallery") as progress:
-        return carry_out(Path(directory), names, progress=progress)
+        return carry_out(Path(directory), names, everything=everything, progress=progress)
 
 
-def carry_out(directory: Path, names: Sequence[str] = (), *, progress: computations.Progress | None = None) -> Sections:
+def carry_out(
+    directory: Path,
+    names: Sequence[str] = (),
+    *,
+    everything: bool = False,
+    progress: computations.Progress | None = None,
+) -> Sections:
     """Run entries, and write the page of these and of those that earlier starts have run.
 
     Args:
         directory: made if need be, or resumed.
-        names: of the entries to run, or of groups of them such as ``paper``; all by default.
+        names: of the entries to run, or of groups of them such as ``paper``; by default all but those of ``paper-open``.
+        everything: whether those are run, too, and the finest grids.
         progress: called with the entries done, all that are run, and how many of them failed.
 
     Returns:
@@ -78,7 +86,7 @@ def carry_out(directory: Path, names: Sequence[str] = (), *, progress: computati
         InputError: no such entry; the directory cannot be written, or has a file of such a name that is not a study's.
     """
     folder = directory / FOLDER
-    chosen = _chosen(names)
+    chosen = _chosen(names, everything)
     with STUDY.opened(directory):
         folder.mkdir(exist_ok=True)
         computed = _side_by_side(chosen, folder.absolute(), progress)
@@ -88,8 +96,10 @@ def carry_out(directory: Path, names: Sequence[str] = (), *, progress: computati
     return Sections({name: computed[name] for name in chosen})
 
 
-def _chosen(names: Sequence[str], argument: str = "ENTRY") -> list[str]:
-    """Names of the entries with these names and in groups with these names, in the order of the page; by default all.
+def _chosen(names: Sequence[str], everything: bool = False, argument: str = "ENTRY") -> list[str]:
+    """Names of the entries with these names and in groups with these names, in the order of the page.
+
+    Without names all, and, unless everything is asked for, none of those that take long.
 
     Raises:
         InputError: no entry or group has such a name.
@@ -99,8 +109,10 @@ def _chosen(names: Sequence[str], argument: str = "ENTRY") -> list[str]:
             names_and_groups = (*GROUPS, *ENTRIES)
             hint = complaints.suggestion(name, names_and_groups)
             raise InputError(f"{argument}: {name!r} is no entry{hint}; entries are {', '.join(names_and_groups)}")
-    chosen = {entry for name in names for entry in GROUPS.get(name, (name,))}
-    return [name for name in ENTRIES if name in chosen or not names]
+    chosen = {entry for name in names for entry in GROUPS.get(name, (name,))} or set(ENTRIES)
+    if not everything:
+        chosen -= (LONGEST if names else LONG) - set(names)
+    return [name for name in ENTRIES if name in chosen]
 
 
 def _side_by_side(
@@ -135,6 +147,7 @@ EXAMPLES = (
     "gallery -o gallery                # a minute; the same command resumes; then open gallery/index.html",
     "gallery paper -o gallery          # the statements and figures of the paper; some ten seconds",
     "gallery dimers -o gallery         # this entry; the others remain",
+    "gallery paper-open -o open        # what the paper leaves open; some ten minutes",
     "gallery --list",
 )
 
@@ -143,7 +156,8 @@ ANSWERS = "each entry with its title, its verdicts, and why it failed"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("entries", metavar="ENTRY", nargs="*", help="entries to run, or `paper` for those of the paper")
+    parser.add_argument("entries", metavar="ENTRY", nargs="*", help="entries to run, or `paper`, `paper-open`")
+    parser.add_argument("--all", action="store_true", help="also entries that take long, and finer grids")
     where = parser.add_mutually_exclusive_group(required=True)
     where.add_argument("-o", "--output", metavar="DIR", type=Path, help="new directory, or one to resume")
     where.add_argument("--list", action="store_true", help="print the names of the entries, and run nothing")
@@ -156,7 +170,7 @@ def execute(arguments: argparse.Namespace) -> screen.CommandResult:
         return screen.CommandResult(0, list(ENTRIES))
     directory = arguments.output
     with screen.count_bar("gallery") as progress:
-        sections = carry_out(directory, arguments.entries, progress=progress)
+        sections = carry_out(directory, arguments.entries, everything=arguments.all, progress=progress)
     rows, plain = [], []
     for name, section in sections.items():
         counts = section.verdicts

@@ -8,6 +8,7 @@ from workflow.plugins.gallery.entries import (
     impacts,
     losses,
     nonuniform,
+    open_touching,
     paper_touching,
     rectifier,
     reflections,
@@ -15,8 +16,25 @@ from workflow.plugins.gallery.entries import (
 )
 from workflow.plugins.gallery.entry import Entry
 
-GROUPS = {"paper": ("paper-touching", "paper-gapped")}
+GROUPS = {
+    "paper": ("paper-touching", "paper-gapped"),
+    "paper-open": (
+        "open-multipliers",
+        "open-map",
+        "open-map-fine",
+        "open-more-chains",
+        "open-modes",
+        "open-arrays",
+        "open-robust",
+    ),
+}
 """Name of a group -> its entries."""
+
+LONG = frozenset(GROUPS["paper-open"])
+"""Entries that take minutes each: run where they or their group are named, or with ``--all``."""
+
+LONGEST = frozenset({"open-map-fine"})
+"""Entries that take an hour: run where they are named, or with ``--all``."""
 
 OF_RIGID_BEADS: dict[str, Entry] = {}
 OF_SOUND: dict[str, Entry] = {}
@@ -24,9 +42,15 @@ OF_MODES: dict[str, Entry] = {}
 """Entries that other plug-ins compute, where they are installed."""
 
 if find_spec("workflow.plugins.rigid"):
-    from workflow.plugins.gallery.entries import paper_gapped
+    from workflow.plugins.gallery.entries import open_gapped, paper_gapped
 
-    OF_RIGID_BEADS = {"paper-gapped": paper_gapped.ENTRY}
+    OF_RIGID_BEADS = {
+        "paper-gapped": paper_gapped.ENTRY,
+        "open-multipliers": open_gapped.MULTIPLIERS,
+        "open-map": open_gapped.MAP,
+        "open-map-fine": open_gapped.FINE_MAP,
+        "open-more-chains": open_gapped.MORE_CHAINS,
+    }
 if find_spec("workflow.plugins.sound"):
     from workflow.plugins.gallery.entries import loaded
 
@@ -48,6 +72,9 @@ if find_spec("workflow.plugins.modes"):
 ENTRIES: dict[str, Entry] = {
     "paper-touching": paper_touching.ENTRY,
     **OF_RIGID_BEADS,
+    "open-modes": open_touching.MODES_ENTRY,
+    "open-arrays": open_touching.ARRAYS,
+    "open-robust": open_touching.ROBUST,
     "kicked-chain": solitary_waves.KICKED_CHAIN,
     "nesterenko": solitary_waves.NESTERENKO,
     "exact-wave": solitary_waves.EXACT_WAVE,
