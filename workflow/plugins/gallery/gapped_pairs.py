@@ -123,7 +123,7 @@ def slowest(chains: int) -> float:
 
 @cache
 def shared(theta: float, kappa: float, chains: int = 2, most_rows: int = MOST_ROWS) -> Shared:
-    """Compute how a pulse is shared, in as many rows as it takes to agree to 1 % and a fifth more, or in ``most_rows``."""
+    """Compute how a pulse is shared, in more rows than it takes to agree to 1 %, or in ``most_rows``."""
     rows = min(most_rows, math.ceil(30 + 16.0 / (kappa * slowest(chains))))
     while True:
         result = _in_rows(theta, kappa, chains, rows)

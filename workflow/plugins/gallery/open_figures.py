@@ -117,16 +117,15 @@ def collapse_figure(cases: Sequence[Levelled], single: float) -> Figure:
     """
     figure = style.new_figure(5.4, 6.4)
     distance, amplitude = figure.subplots(2, 1, sharex=True)
-    kinds = {"open": "rows", "ring": "rings"}
-    for place, kind in enumerate(("rows", "rings", "square lattices")):
-        chosen = [case for case in cases if kinds.get(str(case.graph.topology), "square lattices") == kind]
+    for place, (kind, words) in enumerate({"row": "rows", "ring": "rings", "square": "square lattices"}.items()):
+        chosen = [case for case in cases if case.graph.kind == kind]
         stiffness = [case.slowest * case.kappa for case in chosen]
         first = [case.within(0.01) for case in chosen]
         lengths = [math.nan if row is None else row * case.decay for case, row in zip(chosen, first, strict=True)]
         kept = [case.graph.chains * case.amplitude / single / len(case.kicked) for case in chosen]
         look = {"color": style.CHAIN_COLOURS[place], "marker": "o^s"[place], "markersize": 3.5, "linestyle": "none"}
-        distance.plot(stiffness, lengths, label=kind, **look)
-        amplitude.plot(stiffness, kept, label=kind, **look)
+        distance.plot(stiffness, lengths, label=words, **look)
+        amplitude.plot(stiffness, kept, label=words, **look)
     distance.axhline(5.0, color="0.45", linewidth=0.8, label="5 lengths of decay")
     distance.set_xscale("log")
     style.label_log_axis(distance.xaxis)

@@ -30,7 +30,7 @@ from scipy import integrate, optimize, special
 
 from granchain.parts import Floats
 
-CONTACT = 2.0 * (5.0 / 8.0) ** 0.4 * math.sqrt(math.pi) * special.gamma(1.4) / special.gamma(0.9)
+CONTACT = float(2.0 * (5.0 / 8.0) ** 0.4 * math.sqrt(math.pi) * special.gamma(1.4) / special.gamma(0.9))
 """Duration of the contact of two equal beads, tau V^0.2 = 2.4388, in units of T."""
 
 LOSS = 4.0 / 45.0
@@ -108,7 +108,7 @@ def weak_decay(stiffness: ArrayLike) -> NDArray[np.float64]:
 
 @dataclass(frozen=True)
 class Tongue:
-    """Range of gaps at which a synchronised pulse is unstable: theta = omega D / V_s within a half width of n pi - shift.
+    """Range of gaps at which a synchronised pulse is unstable, omega D / V_s within a half width of n pi - shift.
 
     Attributes:
         shift: of its middle below n pi.
@@ -122,7 +122,7 @@ class Tongue:
 
 
 def tongue(stiffness: float) -> Tongue:
-    """The range of gaps at which the contact of a stiffness makes the pulse unstable, exactly to first order in y, u."""
+    """The range of gaps at which contacts of a stiffness make the pulse unstable, to first order in y and u."""
     (a, b), (c, d) = contact_map(stiffness)
     omega = math.sqrt(stiffness)
     # trace of flight times contact: largest * cos(turned - phase)

@@ -75,7 +75,7 @@ def carry_out(
 
     Args:
         directory: made if need be, or resumed.
-        names: of the entries to run, or of groups of them such as ``paper``; by default all but those of ``paper-open``.
+        names: of the entries to run, or of groups of them such as ``paper``; by default all but ``paper-open``.
         everything: whether those are run, too, and the finest grids.
         progress: called with the entries done, all that are run, and how many of them failed.
 

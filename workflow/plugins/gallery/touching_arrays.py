@@ -63,19 +63,26 @@ class Graph:
     """Chains and the springs between them.
 
     Attributes:
+        kind: ``row``, ``ring`` or ``square``.
         chains: number of chains.
-        topology: as in a scene.
         edges: pairs of chains that springs tie, from 0.
     """
 
+    kind: str
     chains: int
-    topology: Any
     edges: tuple[tuple[int, int], ...]
 
+    @property
+    def topology(self) -> Any:
+        """Key of a scene."""
+        side = math.isqrt(self.chains)
+        return {"row": "open", "ring": "ring", "square": {"lattice": [side, side]}}[self.kind]
+
     def __str__(self) -> str:
-        if isinstance(self.topology, Mapping):
-            return " x ".join(str(count) for count in self.topology["lattice"]) + " chains"
-        return f"{self.chains} chains" if self.topology == "open" else f"ring of {self.chains} chains"
+        side = math.isqrt(self.chains)
+        return {"row": "{n} chains", "ring": "ring of {n} chains", "square": "{side} x {side} chains"}[
+            self.kind
+        ].format(n=self.chains, side=side)
 
     def modes(self) -> tuple[Floats, Floats]:
         """Eigenvalues, [mode] ascending, and eigenvectors of the Laplacian, [chain, mode]."""
@@ -105,19 +112,19 @@ def _share(values: Floats, vectors: Floats, value: float, start: Floats) -> bool
 
 def row_of(chains: int) -> Graph:
     """Chains side by side, each tied to the next."""
-    return Graph(chains, "open", tuple((chain, chain + 1) for chain in range(chains - 1)))
+    return Graph("row", chains, tuple((chain, chain + 1) for chain in range(chains - 1)))
 
 
 def ring_of(chains: int) -> Graph:
     """Chains side by side, the last one also tied to the first."""
-    return Graph(chains, "ring", tuple((chain, (chain + 1) % chains) for chain in range(chains)))
+    return Graph("ring", chains, tuple((chain, (chain + 1) % chains) for chain in range(chains)))
 
 
 def square_of(side: int) -> Graph:
     """A square lattice of chains."""
     across = [(row * side + column, row * side + column + 1) for row in range(side) for column in range(side - 1)]
     along = [(row * side + column, (row + 1) * side + column) for row in range(side - 1) for column in range(side)]
-    return Graph(side * side, {"lattice": [side, side]}, tuple(across + along))
+    return Graph("square", side * side, tuple(across + along))
 
 
 def plain_array(graph: Graph, kappa: float, kicks: Sequence[float], beads: int, **keys: Any) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The paper's open question for chains with gaps: at which gap and coupling do the chains come to share a pulse equally?
+"""The paper's open question for chains with gaps: when they come to share a pulse equally.
 
 A synchronised pulse loses nothing. Whether small differences of the chains decay along it follows from the linear map
 of a row to the next one (`row_map`), in closed form where springs are soft. Runs measure the same map; and runs of a
@@ -222,7 +222,7 @@ def multiplier_pictures(results: Results) -> list[page.PageFigure]:
         page.drawn(
             "decay",
             open_figures.decay_figure(values),
-            "Decay of a difference from row to row, -log(det) / 2, over the coupling: integrated map, closed form, runs.",
+            "Decay of a difference from row to row, -log(det) / 2, over the coupling.",
         )
     ]
 
@@ -336,10 +336,12 @@ def _margin(cell: Shared) -> float:
 def _same_decay(agreeing: list[Shared], kappas: Sequence[float]) -> Statement:
     apart = {}
     for kappa in kappas:
-        cells = [cell for cell in agreeing if cell.kappa == kappa and cell.recurrence is not None]
-        apart[f"kappa = {kappa:g}"] = float(
-            np.median([abs(cell.recurrence.decay / row_map.predicted_decay(*cell.at_speed) - 1.0) for cell in cells])
-        )
+        deviations = [
+            abs(recurrence.decay / row_map.predicted_decay(*cell.at_speed) - 1.0)
+            for cell in agreeing
+            if cell.kappa == kappa and (recurrence := cell.recurrence)
+        ]
+        apart[f"kappa = {kappa:g}"] = float(np.median(deviations)) if deviations else math.nan
     return state(
         MeasuredQuantity("median deviation of the decay from the linear map", apart, at_most(0.02, 0.1), "4"),
         derived="Late rows obey the map of the synchronised pulse with the speed that it has there.",
@@ -448,7 +450,7 @@ def more_chains(_: Results) -> Statements:
 
 MORE_CHAINS = Entry(
     title="Open question 2, for three and four gapped chains",
-    introduction="A row of chains, the first one kicked; theta = omega D / V with omega = sqrt(2 kappa), as for two chains.",
+    introduction="A row of chains, the first one kicked; theta = omega D / V, omega = sqrt(2 kappa), as for two.",
     sources={"starosvetsky2013": "section 4"},
     scenes={},
     statements=more_chains,
