@@ -79,19 +79,18 @@ def test_relative_modes_of_touching_arrays_decay_and_beat_as_closed_forms_say(gr
 
 
 @pytest.mark.parametrize(
-    ("graph", "kicked", "slowest"),
+    ("graph", "kicked", "slowest", "spread"),
     [
-        (row_of(2), (0,), 2.0),
-        (row_of(3), (0,), 1.0),
-        (row_of(3), (1,), 3.0),
-        (ring_of(6), (0,), 1.0),
-        (square_of(3), (0,), 1.0),
-        (square_of(3), (4,), 3.0),
-        (row_of(4), (0, 3), 2.0),
+        (row_of(2), (0,), 2.0, 2.0),  # velocities 1/2 and -1/2, mean 1/2
+        (row_of(3), (0,), 1.0, 3.0),  # 1/2, 0, -1/2; mean 1/3
+        (row_of(3), (1,), 3.0, 3.0),  # -1/3, 2/3, -1/3
+        (ring_of(4), (0,), 2.0, 4.0),  # 1/2, 0, -1/2, 0; mean 1/4
+        (row_of(4), (0, 3), 2.0, 2.0),  # 1/2, -1/2, -1/2, 1/2; mean 1/2
+        (square_of(3), (4,), 3.0, 6.0),
     ],
 )
-def test_the_slowest_mode_is_that_which_the_kicks_excite(graph, kicked, slowest):
-    assert graph.slowest(kicked) == pytest.approx(slowest, abs=1e-9)
+def test_the_slowest_mode_is_that_which_the_kicks_excite(graph, kicked, slowest, spread):
+    assert graph.slowest(kicked) == pytest.approx((slowest, spread), abs=1e-9)
 
 
 def test_a_column_of_numbers_has_empty_cells_where_they_are_undefined():

@@ -120,18 +120,16 @@ def collapse_figure(cases: Sequence[Levelled], single: float) -> Figure:
     for place, (kind, words) in enumerate({"row": "rows", "ring": "rings", "square": "square lattices"}.items()):
         chosen = [case for case in cases if case.graph.kind == kind]
         stiffness = [case.slowest * case.kappa for case in chosen]
-        first = [case.within(0.01) for case in chosen]
-        lengths = [math.nan if row is None else row * case.decay for case, row in zip(chosen, first, strict=True)]
+        lengths = [case.delayed(0.01) for case in chosen]
         kept = [case.graph.chains * case.amplitude / single / len(case.kicked) for case in chosen]
         look = {"color": style.CHAIN_COLOURS[place], "marker": "o^s"[place], "markersize": 3.5, "linestyle": "none"}
         distance.plot(stiffness, lengths, label=words, **look)
         amplitude.plot(stiffness, kept, label=words, **look)
-    distance.axhline(5.0, color="0.45", linewidth=0.8, label="5 lengths of decay")
+    distance.axhline(-0.45, color="0.45", linewidth=0.8, label="fit")
     distance.set_xscale("log")
     style.label_log_axis(distance.xaxis)
-    distance.set_ylim(bottom=0.0)
     amplitude.set_ylim(bottom=0.0)
-    distance.set_ylabel("distance to 1 % / length of decay")
+    distance.set_ylabel(r"distance to 1 % $\times$ decay $-$ log(spread)")
     amplitude.set_ylabel("N amplitude / single chain")
     amplitude.set_xlabel(r"coupling of the slowest mode $\mu \kappa$")
     handles, labels = distance.get_legend_handles_labels()

@@ -93,21 +93,20 @@ class Graph:
         values, vectors = np.linalg.eigh(laplacian)
         return values, vectors
 
-    def slowest(self, kicked: Sequence[int]) -> float:
-        """Least eigenvalue above 0 of a mode that kicks of some chains (from 0) excite."""
+    def slowest(self, kicked: Sequence[int]) -> tuple[float, float]:
+        """Least eigenvalue above 0 of a mode that equal kicks of some chains (from 0) excite, and its spread.
+
+        The spread is that of the velocities which the kicks give to these modes, (largest - smallest) / mean of all.
+        """
         values, vectors = self.modes()
         start = np.zeros(self.chains)
         start[list(kicked)] = 1.0
-        chosen = [
-            float(value)
-            for value in np.unique(values.round(9))
-            if value > 1e-8 and _share(values, vectors, value, start)
-        ]
-        return chosen[0]
-
-
-def _share(values: Floats, vectors: Floats, value: float, start: Floats) -> bool:
-    return bool(np.linalg.norm(start @ vectors[:, np.abs(values - value) < 1e-8]) > 1e-6)
+        for value in np.unique(values.round(9)):
+            part = vectors[:, np.abs(values - value) < 1e-8]
+            velocity = part @ (part.T @ start)
+            if value > 1e-8 and np.linalg.norm(velocity) > 1e-6:
+                return float(value), float(np.ptp(velocity) / start.mean())
+        raise ValueError("equal kicks of all chains excite no relative mode")
 
 
 def row_of(chains: int) -> Graph:
@@ -154,7 +153,7 @@ class Levelled:
 
     Attributes:
         graph, kappa, kicked: chains, coupling, and chains (from 0) that are kicked with V.
-        slowest: eigenvalue of the slowest mode that the kicks excite.
+        slowest, spread: of the slowest modes that the kicks excite (`Graph.slowest`).
         difference: of the peaks, (largest - smallest) / mean, [bead]; NaN where a chain was not reached.
         amplitude: mean peak in the last beads, in units of V; NaN if the peaks do not agree to 1 %.
     """
@@ -163,6 +162,7 @@ class Levelled:
     kappa: float
     kicked: tuple[int, ...]
     slowest: float
+    spread: float
     difference: Floats
     amplitude: float
 
@@ -177,6 +177,11 @@ class Levelled:
         """Decay of the slowest mode from row to row, at the last amplitude."""
         return decay(self.slowest * self.kappa, self.amplitude)
 
+    def delayed(self, tolerance: float) -> float:
+        """Distance to a tolerance in lengths of decay, less those in which the spread falls to it; NaN if never."""
+        first = self.within(tolerance)
+        return math.nan if first is None else first * self.decay - math.log(self.spread / tolerance)
+
     @property
     def energy(self) -> float:
         """Share of the energy input that the last waves have."""
@@ -187,18 +192,18 @@ class Levelled:
 @cache
 def levelled(graph: Graph, kappa: float, kicked: tuple[int, ...] = (0,)) -> Levelled:
     """Compute an array until its pulses agree to 1 %, in chains as long as that takes, or of `MOST_BEADS`."""
-    slowest = graph.slowest(kicked)
+    slowest, spread = graph.slowest(kicked)
     beads = min(MOST_BEADS, math.ceil(60.0 + 16.0 / (kappa * slowest)))
     kicks = [float(chain in kicked) for chain in range(graph.chains)]
     while True:
         values = peaks(problem_of(plain_array(graph, kappa, kicks, beads)))
         with np.errstate(invalid="ignore"):
             difference = (values.max(axis=0) - values.min(axis=0)) / values.mean(axis=0)
-        result = Levelled(graph, kappa, kicked, slowest, difference, float(values[:, -CLEAR:].mean()))
+        result = Levelled(graph, kappa, kicked, slowest, spread, difference, float(values[:, -CLEAR:].mean()))
         if result.within(0.01) is not None:
             return result
         if beads >= MOST_BEADS:
-            return Levelled(graph, kappa, kicked, slowest, difference, math.nan)
+            return Levelled(graph, kappa, kicked, slowest, spread, difference, math.nan)
         beads = min(MOST_BEADS, 2 * beads)
 
 
