@@ -24,8 +24,8 @@ MOST_ROWS = 1000
 LASTING = 5
 """Rows at the end in which impulses must agree at the least."""
 
-SLOWEST = 0.2
-"""Speed of the slowest pulse that is waited for, in units of V over the number of chains times two."""
+SLOWEST = 0.03
+"""Speed of the slowest pulse that is waited for, in units of V."""
 
 
 def gapped(theta: float, kappa: float, rows: int, kicks: Sequence[float], **keys: Any) -> dict[str, Any]:
@@ -38,7 +38,7 @@ def gapped(theta: float, kappa: float, rows: int, kicks: Sequence[float], **keys
         kicks: velocities of the first beads, [chain]; the largest is V.
         keys: further keys of the scene.
     """
-    gap, share = theta / math.sqrt(2.0 * kappa), min(kicks) or 2.0 * SLOWEST / len(kicks)
+    gap, share = theta / math.sqrt(2.0 * kappa), min(kicks) or SLOWEST
     duration = (rows + 1) * (gap / share + 3.0)
     kicked = [{"chain": chain, "bead": 1, "velocity": v} for chain, v in enumerate(kicks, 1) if v]
     every = keys.pop("every", 0.25)
@@ -142,7 +142,7 @@ def _in_rows(theta: float, kappa: float, chains: int, rows: int) -> Shared:
     with np.errstate(invalid="ignore", divide="ignore"):
         mode = profile @ first / first.sum(axis=0) / profile[0]
     last = first[:, -LASTING:]
-    agrees = bool(np.all(difference[-LASTING:] <= AGREE))
+    agrees = bool(np.all(difference[-LASTING:] <= AGREE))  # NaN where the pulse has not arrived
     return Shared(theta, kappa, chains, rows, difference, mode, float(last.mean()) if agrees else math.nan)
 
 
