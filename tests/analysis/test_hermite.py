@@ -45,13 +45,6 @@ def test_the_error_of_a_cosine_falls_with_the_expected_order(derivatives, order)
     assert np.polyfit(np.log(spacing), np.log(error), 1)[0] == pytest.approx(order, abs=0.05)
 
 
-def test_many_series_at_once_are_each_by_itself():
-    data = np.random.default_rng(5).uniform(-1, 1, (2, 3, 4, 5))
-    together = hermite.coefficients((0, 1), data, 0.3)
-    assert together.shape == (6, 4, 5)
-    np.testing.assert_allclose(together[:, 2, 3], hermite.coefficients((0, 1), data[:, :, 2, 3], 0.3), rtol=1e-12)
-
-
 @pytest.mark.parametrize("zero", [0.0, 1e-9, 0.25, 1 / 3, 1.0])
 def test_a_falling_zero_is_found_to_rounding(zero):
     cubic = np.array([[zero], [-1.0 + zero**2], [-zero], [0.0]])  # (zero - s)(1 + zero s), falling on [0, 1]

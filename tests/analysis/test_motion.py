@@ -95,16 +95,6 @@ def test_the_energy_of_one_contact_and_one_spring_is_their_sum():
     )
 
 
-def test_energy_and_momentum_of_many_frames_are_those_of_each():
-    found = run(problem(), steps_per_frame=2)
-    for frame in (0, 17, 60):
-        one = motion.energy(found.problem.system, found.displacement[frame], found.velocity[frame])
-        assert motion.energy(found.problem.system, found.displacement, found.velocity)[frame] == one
-        assert motion.momentum(found.problem.system, found.velocity)[frame] == motion.momentum(
-            found.problem.system, found.velocity[frame]
-        )
-
-
 def test_the_participation_number_is_one_over_the_sum_of_squared_shares_of_the_beads_energies():
     assert motion.participation(np.array([[0.0, 2.0, 2.0], [2.0, 0.0, 2.0]])) == pytest.approx(4.0, rel=1e-14)
     assert motion.participation(np.array([3.0, 1.0])) == pytest.approx(1.6, rel=1e-14)

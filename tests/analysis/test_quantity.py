@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from analysis.quantity import (
-    Quantity,
     declare,
-    declared,
     derived,
     headings,
     plain,
@@ -68,10 +66,6 @@ def test_a_printed_cell_is_in_the_unit_of_its_heading_and_a_dash_where_undefined
     assert headings(Passage, SCALE, {"time": "arrival", "bead": "bead"}) == ["arrival (s)", "bead"]
     assert written(RESULT.passages[0], "time", SCALE, ".3g") == f"{5.0 * SCALE.time:.3g}"
     assert written(RESULT.passages[2], "time", SCALE, ".3g") == "-"
-
-
-def test_a_property_means_what_its_docstring_says():
-    assert declared(Passage)["double"][0] == Quantity("twice that", "time")
 
 
 def test_a_type_is_walked_to_the_quantities_within_its_quantities():

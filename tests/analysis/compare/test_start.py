@@ -38,9 +38,3 @@ def test_a_resonator_that_moves_at_the_start_is_named():
     further[0, 1, 0, 2] = 0.5
     (text,) = start.differences(replace(run, further_lines=further))
     assert text == "the resonator at bead 3 of chain 1 starts with velocity 0.5 instead of 0"
-
-
-def test_prescribed_motions_and_static_loads_start_as_their_scenes_say():
-    drive = {"drive": {"bead": 1, "displacement": 0.5, "frequency": 0.3, "phase": -60.0}}
-    for keys in ({"precompression": {"force": 0.3}, "kick": {"velocity": 1.0}}, drive):
-        assert start.differences(engine.run(of_keys(beads=6, duration=1.0, **keys))) == []

@@ -74,21 +74,6 @@ def largest(atoms: mda.AtomGroup) -> float:
     return float(atoms.universe.trajectory.ts.data["velocity"].max())
 
 
-def test_values_are_also_in_the_units_of_the_scene(dumps: list[Path]) -> None:
-    wanted = joined(blocks(dumps, PROBLEM)).measured()
-    for number, ts in enumerate(universe(PROBLEM, dumps).trajectory):
-        np.testing.assert_array_equal(ts.data["si"].displacement, wanted.displacement[number].ravel())
-        np.testing.assert_array_equal(ts.data["si"].velocity, wanted.velocity[number].ravel())
-        assert ts.data["si"].time == pytest.approx(wanted.time[number])
-
-
-def test_no_number_is_converted_whatever_the_scene_has_as_units(dumps: list[Path]) -> None:
-    trajectory = universe(PROBLEM, dumps[1:2]).trajectory
-    assert set(trajectory.units.values()) == {None}
-    assert trajectory.dt == pytest.approx(PROBLEM.every)
-    np.testing.assert_array_equal(trajectory.ts.positions[:, 0], trajectory.ts.data["x"].astype(np.float32))
-
-
 def test_displacements_in_a_window_are_those_of_the_rows_that_the_atoms_are_in(tmp_path: Path) -> None:
     spacing = 4.0
     frames = []

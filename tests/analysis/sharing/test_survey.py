@@ -38,7 +38,7 @@ def test_a_pulse_on_a_static_load_has_no_difference_from_an_exact_wave():
     assert np.isnan([shape.residual, shape.residual_error]).all()
 
 
-@settings(max_examples=25)
+@settings(max_examples=12)
 @given(st.floats(0.05, 1.0), st.floats(0.01, 0.3), st.floats(6.0, 15.0), st.sampled_from([1, -1]))
 @pytest.mark.slow
 def test_an_exact_wave_has_the_momentum_energy_and_shape_of_the_exact_wave(peak, every, arrival, direction):
@@ -48,7 +48,7 @@ def test_an_exact_wave_has_the_momentum_energy_and_shape_of_the_exact_wave(peak,
     assert shape.residual[0] < 1e-9
 
 
-@settings(max_examples=50)
+@settings(max_examples=25)
 @given(st.floats(0.05, 1.0), st.floats(0.01, 1.0), st.floats(6.0, 15.0))
 @pytest.mark.slow
 def test_width_is_within_its_stated_error_on_any_grid(peak, every, arrival):
@@ -88,7 +88,7 @@ def test_a_wave_that_is_too_wide_has_the_width_put_in_and_a_residual(peak, stret
     assert shape.residual[0] == pytest.approx(expected, rel=0.15, abs=1e-6)
 
 
-@pytest.mark.parametrize("arrival", [8.0, 8.13, 8.21])
+@pytest.mark.parametrize("arrival", [8.0, 8.13])
 def test_the_momentum_is_that_of_eight_beads_of_travel_wherever_frames_lie(arrival):
     trajectory = exact_waves([(0.5, arrival)], every=0.25)
     drifting = Trajectory(trajectory.problem, trajectory.time, trajectory.displacement, trajectory.velocity + 0.01)
@@ -190,25 +190,12 @@ def test_speed_is_compared_with_the_exact_wave_and_the_amplitude_with_itself_ove
     bead = np.arange(1, count + 1)
     peak = 0.6 - 0.01 * (count - bead)
     pulse = Pulse(1, 1, bead, bead / 0.8, peak, 1.002 * EXACT.speed_at(peak), *np.zeros((3, count)))
-    shape = {
-        "width": 1.6,
-        "width_error": 0.0,
-        "momentum": 1.0,
-        "momentum_error": 0.0,
-        "energy": 1.0,
-        "energy_error": 0.0,
-        "residual": 0.005,
-        "residual_error": 0.0,
-    }
+    shape = {"width": 1.6, "momentum": 1.0, "energy": 1.0, "residual": 0.005}
+    shape |= {f"{name}_error": 0.0 for name in shape}
     found = characterise(pulse, count - 1, shape, problem=problem(1, 0.0))
     assert found.speed_excess == pytest.approx(0.002, rel=1e-9)
     assert found.variation == pytest.approx(variation, nan_ok=True)
     assert found.fails == (() if np.isnan(variation) else ("amplitude",))
-
-
-def test_a_pulse_that_could_not_be_measured_is_not_called_solitary():
-    found = surveyed(reference(1, 0.0, 40, 8.0))
-    assert all(not character.solitary for character in found.characters)
 
 
 READ_BOTH_WAYS = {
@@ -248,20 +235,6 @@ def test_a_run_towards_bead_1_is_read_as_the_mirror_image_of_one_away_from_it(na
     )
 
 
-def test_a_run_in_pieces_of_any_size_gives_the_same():
-    trajectory = reference(2, 0.1, 60, 80.0)
-    whole = survey(lambda: [trajectory], trajectory.problem)
-    pieces = [trajectory[start : start + 7] for start in range(0, trajectory.frames, 7)]
-    parts = survey(lambda: pieces, trajectory.problem)
-    for name in ("arrival", "peak_velocity", "speed"):
-        assert np.allclose(getattr(whole.waves, name), getattr(parts.waves, name), rtol=1e-11, atol=1e-12)
-    assert np.allclose(whole.shape.residual, parts.shape.residual, rtol=0, atol=1e-11, equal_nan=True)
-    # second derivatives of energies are differences over a thousandth of the time between frames: a rounding of 1e-16
-    # of a sum, whose order may differ, is multiplied by 1e6
-    assert np.allclose(whole.energies.wave, parts.energies.wave, rtol=0, atol=1e-10, equal_nan=True)
-    assert whole.verdict.since == parts.verdict.since
-
-
 @pytest.mark.slow
 def test_memory_does_not_grow_with_the_number_of_frames(monkeypatch):
     monkeypatch.setattr("analysis.trajectory.BLOCK_BYTES", 1 << 20)
@@ -282,10 +255,11 @@ def test_memory_does_not_grow_with_the_number_of_frames(monkeypatch):
     assert peak_memory(0.01) < 1.2 * peak_memory(0.04)  # both of several blocks
 
 
-@pytest.mark.parametrize("kicks", [[Kick(velocity=-1.0)], [Kick(velocity=1.0, bead=5)], [Kick(velocity=-1.0, bead=5)]])
-@pytest.mark.parametrize("frames", [1, 2, 3, 40])
-def test_any_run_however_short_is_surveyed_without_a_word(kicks, frames):
-    surveyed(reference(2, 0.1, 10, 4.0, kicks=kicks)[:frames])
+@pytest.mark.parametrize("kick", [Kick(velocity=-1.0), Kick(velocity=1.0, bead=5)])
+def test_any_run_however_short_is_surveyed_without_a_word(kick):
+    run = reference(2, 0.1, 10, 4.0, kicks=[kick])
+    for frames in (1, 2, 3, 40):
+        surveyed(run[:frames])
 
 
 @pytest.mark.parametrize("recorded", ["all", [2, 6, 11, 15]])
@@ -301,11 +275,6 @@ def test_a_pulse_differs_from_one_of_closer_frames_by_no_more_than_it_states(rec
     (k,) = np.flatnonzero((true.bead == found.bead) & (np.abs(true.time - found.arrival) < 0.5))
     assert abs(found.arrival - true.time[k]) <= found.arrival_error < 0.5
     assert abs(found.peak_velocity - true.velocity[k]) <= found.peak_velocity_error < 0.01
-
-
-def test_a_run_without_frames_is_refused():
-    with pytest.raises(ValueError, match="no frames"):
-        survey(lambda: [], problem(2, 0.1, 10, 4.0))
 
 
 def test_with_kicks_from_both_ends_the_leading_wave_is_a_pulse_and_not_what_the_other_left_behind():

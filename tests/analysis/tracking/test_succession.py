@@ -7,8 +7,6 @@ import pytest
 from small_problems import problem
 from synthetic_waves import exact_waves, of_keys, surveyed
 
-from analysis.figures.drawing import draw
-from analysis.figures.waves import distance_sheet
 from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.waveforms import Passages, WaveformMeter
 from analysis.sharing.equipartition import Sharing
@@ -121,15 +119,6 @@ def test_amplitudes_and_verdicts_are_those_of_the_last_pulse(beside_brass):
     assert followed.bead[0] == 39
     assert followed.amplitude.shape == (len(followed.bead), 2)
     assert followed.span.first >= 39
-
-
-def test_no_line_of_a_figure_joins_two_pulses(beside_brass):
-    figure = draw(distance_sheet(beside_brass.problem, beside_brass.shared, beside_brass.energies))
-    steel, brass = (line.get_xydata() for line in figure.axes[0].lines[:2])
-    assert steel[np.isnan(steel[:, 1]), 0].tolist() == [23.5, 38.5]
-    assert np.all(np.isfinite(brass))
-    lag = figure.axes[-1].lines[1].get_xydata()
-    assert lag[np.isnan(lag[:, 1]), 0].tolist() == [23.5, 38.5]
 
 
 def test_sharing_follows_one_pulse_in_each_chain_that_counts():
