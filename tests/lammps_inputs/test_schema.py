@@ -50,12 +50,6 @@ def test_a_mistake_is_found_where_it_stands(line, where, tmp_path):
     assert complaints("\n".join(right.values()), tmp_path) == [where]
 
 
-def test_one_kick_may_stand_without_a_list(tmp_path):
-    scene = "name: a\nbeads: 9\nduration: 2\nkick: "
-    assert complaints(scene + "{velocity: 1}", tmp_path) == []
-    assert complaints(scene + "[{velocity: 1}, {bead: 3, velocity: -1}]", tmp_path) == []
-
-
 def test_a_scene_to_start_from_is_a_scene_that_knows_its_schema(tmp_path):
     for name in (None, "dimer"):
         path = tmp_path / "mine.yaml"

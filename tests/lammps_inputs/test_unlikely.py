@@ -70,10 +70,3 @@ def test_where_springs_count_as_without_effect_neighbours_move_with_about_a_hund
 def test_times_as_short_as_in_seconds_ask_for_a_material(changes, key):
     (warning,) = (line for line in warnings(**changes) if line.startswith(f"{key} in s? "))
     assert "a scene in SI units needs a `material`" in warning
-
-
-@pytest.mark.parametrize("velocity", [1e-9, 1.0, 1e12])
-def test_short_times_of_fast_kicks_do_not(velocity):
-    scale = library.from_plain({**PAIR, "kick": {"velocity": velocity}}, "a").scale
-    every = {"output": {"every": 0.1 * scale.time}}
-    assert not any("in s?" in line for line in warnings(kick={"velocity": velocity}, duration=60 * scale.time, **every))

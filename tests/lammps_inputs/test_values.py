@@ -73,11 +73,6 @@ def test_ramps_of_springs_and_contacts_are_listed_in_the_scene_s_units():
     np.testing.assert_array_equal(listed["contacts.strength"][0, :-1], np.interp(rows[:-1], [2, 6], [1, 4]))
 
 
-def test_springs_of_a_graph_have_a_column_for_each_partner():
-    listed = table(chains=3, coupling={"topology": {"edges": [[1, 2, 0.1], [1, 3, 0.2], [2, 3, 0.3]]}, "rows": [2, 5]})
-    assert listed["coupling.spring to chain 3"][:, 2].tolist()[:2] == [0.2, 0.3]
-
-
 def test_show_prints_values_that_read_back_exactly_and_nothing_else(tmp_path, capsys):
     path = tmp_path / "scene.yaml"
     path.write_text(strict_yaml.dump(scene(disorder={"mass": 0.2}).plain()))

@@ -9,7 +9,6 @@ from scene_keys import units
 from truth import Truth
 
 from lammps_inputs import library, physics
-from lammps_inputs.decks import deck
 from workflow.engines.reference import engine
 from workflow.runs.run import run
 from workflow.verdicts.analysis_files import analyse
@@ -87,11 +86,3 @@ def test_a_column_that_falls_moves_as_by_the_independent_integrator(keys, tmp_pa
     assert 0.4 * overlap**2.5 < physics.energy(problem.system)
     image = engine.run(mirrored_problem(problem), steps_per_frame=engine.default_steps_per_frame(problem))
     np.testing.assert_allclose(image.velocity, -reference.velocity[..., ::-1], rtol=0.0, atol=1e-9)
-
-
-def test_a_settled_column_has_the_deck_that_it_had():
-    plain = {"name": "a", "beads": 5, "walls": {"right": "flat"}, "kick": {"velocity": 1.0}, "duration": 5.0}
-    one, other = (library.from_plain({**plain, "gravity": g}, "x") for g in (0.1, {"acceleration": 0.1}))
-    assert one == other
-    assert one.plain()["gravity"] == 0.1
-    assert "gravity" not in deck.render_deck(one.problem())

@@ -117,12 +117,3 @@ def test_a_table_of_a_file_may_leave_columns_and_cells_out_and_is_part_of_the_sc
     assert library.from_plain(long.plain(), "x") == long
     with pytest.raises(InputError, match="a file's name may stand in a scene's file only"):
         scene({}, initial={"table": "start.csv"})
-
-
-def test_lists_have_the_values_of_the_beads_of_a_chain():
-    case = scene({}, chains=2, initial={"chain": 2, "displacement": [0.25, 0.0], "velocity": [0.0, -0.5]})
-    assert case.initial[0].rows == ((2, 1, 0.25, 0.0), (2, 2, 0.0, -0.5))
-    listed = physics.initial_state(case.problem().system)
-    by_bead = [{"chain": 2, "bead": 1, "displacement": 0.25}, {"chain": 2, "bead": 2, "velocity": -0.5}]
-    np.testing.assert_array_equal(listed, physics.initial_state(scene({}, chains=2, initial=by_bead).problem().system))
-    assert library.from_plain(case.plain(), "x") == case

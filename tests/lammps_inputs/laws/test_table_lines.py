@@ -42,14 +42,6 @@ def test_the_search_ends_at_the_last_point_before_any_time(times):
     np.testing.assert_array_equal(point, np.searchsorted(times, asked, side="right") - 1)
 
 
-def test_a_table_at_equal_distances_takes_one_stage_and_as_many_cells_as_points():
-    for name in ("equal", "later than the start"):
-        width, before, stages = table_lines._cells(TIMES[name])
-        assert stages == 1
-        assert width == pytest.approx(np.diff(TIMES[name])[0], rel=1e-12)
-        assert len(before) <= len(TIMES[name]) + 2
-
-
 @pytest.mark.slow
 @pytest.mark.usefixtures("lammps_here")
 @pytest.mark.parametrize("times", TIMES.values(), ids=TIMES)
@@ -61,15 +53,6 @@ def test_lammps_moves_beads_as_its_scheme_does_with_the_impulse_of_the_table(tim
     exact = engine.run(problem, scheme=VERLET, steps_per_frame=problem.steps_per_frame)
     np.testing.assert_allclose(done.trajectory.velocity, exact.velocity, rtol=0.0, atol=1e-12)
     assert (done.directory.path / file_names.TABLES).is_file()
-
-
-def test_a_short_table_stands_in_the_deck_and_a_long_one_beside_it():
-    for count, long in ((in_time.MOST_IN_FORMULA, False), (in_time.MOST_IN_FORMULA + 1, True)):
-        points = [[0.1 * k, float(k % 2 and k < count - 1)] for k in range(count)]
-        files = scene_files.render(scene(chains=1, coupling=None, kick=None, push={"table": points}, timestep=0.01))
-        assert (file_names.TABLES in files) == long
-        assert (f"\ninclude {file_names.TABLES}\n" in files[file_names.DECK]) == long
-        assert ("need LAMMPS of 17Apr2024" in files[file_names.DECK].partition("units lj")[0]) == long
 
 
 def test_the_deck_of_a_long_table_is_as_long_as_that_of_any_other():
