@@ -2,14 +2,10 @@
 
 import csv
 import json
-import os
-import re
 import subprocess
 
 import pytest
 from extending import apply, granchain, python
-from processes import HANGS
-from stock_lammps import MPIEXEC, WHEEL
 from sweeps import SMALL
 
 from lammps_inputs import strict_yaml
@@ -101,37 +97,3 @@ def test_the_scheduler_writes_its_scripts_and_reads_its_queue(tree):
     assert '#BSUB -J "sweep[1-2]%3" ' in array
     for text in (script, array):
         subprocess.run(["bash", "-n"], input=text, text=True, check=True)
-
-
-def test_a_job_of_the_scheduler_submits_the_next_near_its_limit(tree):
-    environment = {**apply("A scheduler", tree), "HOME": str(tree)}
-    scene(tree, timestep=0.01)
-    words = ("--scheduler", "lsf", "--lmp", str(WHEEL), "--launcher", f"{MPIEXEC} -n {{ranks}}")
-    granchain(environment, tree, "deck", "s.yaml", "-o", "job", *words)
-    directory, programs = tree / "job", tree / "programs"
-    deck = directory / "in.job"
-    # the first job is at its limit when it begins, and ends after its first stretch
-    text = deck.read_text().replace("label stretch", "shell sh pause\n\nlabel stretch")
-    deck.write_text(text.replace("ceil(5/", "ceil(0.0005/"))
-    (directory / "pause").write_text("[ -f chains.restart ] || echo stop 1<>job.flag\n")
-    programs.mkdir()
-    stubs = {
-        "lsid": "echo My cluster name is hpc",
-        "bjobs": "",
-        "bsub": f'echo "$granchain_job $@" >{programs}/submitted; cat >/dev/null; echo "Job <18> is submitted."',
-    }
-    for name, commands in stubs.items():
-        (programs / name).write_text(f"#!/bin/sh\n{commands}\n")
-        (programs / name).chmod(0o755)
-    environment |= {"PATH": f"{programs}:{os.environ['PATH']}", "LSB_JOBINDEX": "0", "LSB_DJOB_NUMPROC": "1"}
-    environment |= {"LS_SUBCWD": str(directory), "LSB_JOBID": "17"}
-
-    def state():
-        with (directory / "job.lsf").open() as script:
-            subprocess.run(["bash"], cwd="/", env=environment, stdin=script, timeout=HANGS, start_new_session=True)
-        return re.match(r"(\w+) job=(\S*) cluster=(\S*) ", (directory / "job.state").read_text()).groups()
-
-    assert state() == ("waiting", "18", "hpc")
-    assert (programs / "submitted").read_text() == "2 -w ended(17)\n"
-    environment |= {"LSB_JOBID": "18", "granchain_job": "2"}
-    assert state() == ("done", "18", "hpc")

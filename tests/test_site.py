@@ -1,13 +1,10 @@
 """The builder of the site: pages with several headings of the first level become one page a section, with contents."""
 
-import re
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import pytest
-from processes import HANGS
 
 SITE = Path(__file__).parents[1] / ".github" / "site"
 
@@ -54,19 +51,6 @@ The end of the run, see [walls](#walls) and [the model](MODEL.md#end).
 """
 
 
-def test_each_section_becomes_a_page_that_the_contents_link_with_its_first_sentence(build):
-    page = build.sections.cut(PAGE, "scene")
-    assert page.overview == (
-        "# All keys\n\nWhat they are, see [beads](#beads-gap).\n\n## The chains\n\n"
-        "- [beads, gap](scene-beads-gap.md): How many.\n- [walls](scene-walls.md)\n\n"
-        "## Time and output\n\nUntil when.\n\n"
-        "- [duration](scene-duration.md): The end of the run, see [walls](#walls) and [the model](MODEL.md#end).\n"
-    )
-    assert [one.name for one in page.sections] == ["scene-beads-gap.md", "scene-walls.md", "scene-duration.md"]
-    assert page.sections[0].text.startswith("# beads, gap\n\nHow many")
-    assert page.sections[0].text.endswith("## nor this\n```\n")
-
-
 @pytest.mark.parametrize(
     ("path", "link", "moved"),
     [
@@ -103,21 +87,3 @@ def test_every_section_is_in_the_navigation_below_its_part(build):
         for section in page.sections:
             assert f"'{section.title}': '{folder}/{section.name}'" in text
             assert f"'{section.part}': [" in text
-
-
-def test_keys_in_tables_are_words_that_no_line_breaks_and_other_code_is_as_it_was(build):
-    row = "| `a_key`, `two-words` | `a: {b: 1}` | `x\\|y` |"
-    made = '| <code class="word">a&#x5F;key</code>, <code class="word">two-words</code> | `a: {b: 1}` | `x\\|y` |'
-    assert build.unbroken(f"`a_key`\n{row}\n") == f"`a_key`\n{made}\n"
-    assert re.search(r"code\.word \{[^}]*white-space: nowrap", (SITE / "narrow.css").read_text())
-
-
-@pytest.mark.parametrize(("words", "code"), [(["--help"], 0), (["--pages"], 2)])
-def test_without_the_extra_the_builder_prints_its_help_or_what_to_install_and_no_traceback(words, code, tmp_path):
-    command = [sys.executable, "-S", str(SITE / "build.py"), "-o", str(tmp_path / "site"), *words]  # -S: no packages
-    done = subprocess.run(command, capture_output=True, text=True, timeout=HANGS, check=False)
-    assert done.returncode == code
-    assert (done.stdout if code == 0 else done.stderr).startswith("usage: build.py")
-    assert "Traceback" not in done.stderr
-    assert code == 0 or done.stderr.endswith("`pip install '.[view,site]'` in the repository does\n")
-    assert not (tmp_path / "site").exists()
