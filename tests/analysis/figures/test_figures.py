@@ -1,18 +1,19 @@
 """Figures of runs and of studies, each as a table of what it shows (folder `golden`), and the numbers behind them."""
 
 import functools
+import tempfile
 from dataclasses import replace
-from types import SimpleNamespace
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
 from figure_table import assert_shown
 from small_problems import problem as small
 from stock_lammps import scene
-from synthetic_waves import of_keys, reference, surveyed
+from synthetic_waves import of_keys
 
 from analysis.compare.difference import Deviation, ErrorMap
-from analysis.conservation import Account
 from analysis.figures.drawing import draw
 from analysis.figures.errors import residual_figure, validation_figure
 from analysis.figures.panels import (
@@ -27,191 +28,84 @@ from analysis.figures.panels import (
     curves_of,
     title,
 )
-from analysis.figures.spacetime import HistoryMeter, space_time_meter, spacetime_sheet
 from analysis.figures.studies import Sought, StudyAxis, histogram_figure, logarithmic, map_figure, swept_figure
-from analysis.figures.waves import distance_sheet, passage, pulses, response_sheet, shape_sheet, time_title
+from analysis.figures.waves import passage, pulses, time_title
 from analysis.files.traces import Channel, Traces
-from analysis.gauges.gauge import gauges
-from analysis.shape.waveforms import Passages
-from analysis.sharing.energies import Flow, ShareMeter
-from analysis.sharing.equipartition import Sharing
 from analysis.statistics import histogram, statistics
-from analysis.tracking.leading_waves import with_speeds
-from analysis.trajectory import Trajectory
-from lammps_inputs import Kick, Material, physics
+from lammps_inputs import Kick, Material, library
 from lammps_inputs.units import Label, make_scale
-from workflow.measures.budget import BudgetMeasurement
-from workflow.measures.energy import EnergyMeasurement
-from workflow.measures.forces.measurement import ForceMeasurement
-from workflow.measures.forces.readings import Readings
-from workflow.measures.plastic import PlasticMeasurement, YieldTable
-from workflow.measures.spectra import SpectrumMeasurement, VelocitySpectra
+from workflow.runs.run import run
+from workflow.verdicts.analyse import measure
 
-STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
-CHAINS = 12
-"""More than a figure shows, so that places and numbers of chains differ."""
+# --- figures of runs --------------------------------------------------------------------------------------------------
 
-# --- problems and motions ---------------------------------------------------------------------------------------------
-
-
-def hit(si=False, chains=2, kicked=1, velocity=3.0, **changes):
-    """Chains of ten beads; eight frames, 0.5 T apart."""
-    options = {"chains": chains, "kick": (Kick(chain=kicked, velocity=velocity),), "material": STEEL if si else None}
-    unit = scene(**options).scale.time
-    return scene(**{"beads": 10, **options, "duration": 4.0 * unit, "every": 0.5 * unit, **changes}).problem()
-
-
-def moving(problem, chain, bead, frame):
-    """One bead of one chain moves, in one frame, with 0.5 V."""
-    v = np.zeros((problem.frames + 1, problem.chains, problem.rows.count))
-    v[frame, chain - 1, problem.rows.numbers.tolist().index(bead)] = 0.5
-    return Trajectory(problem, np.arange(problem.frames + 1) * problem.every, np.zeros_like(v), v)
-
-
-@functools.cache
-def ran():
-    """Two chains of 60 beads by the reference, and what is measured of them."""
-    trajectory = reference(2, 0.1, 60, 80.0)
-    return trajectory, surveyed(trajectory)
-
-
-@functools.cache
-def of_twenty():
-    return reference(20, 0.2, 20, 5.0, kicks=[Kick(chain=14, velocity=1.0)])
-
-
-def history(trajectory, beads, frames=None):
-    return HistoryMeter(trajectory.problem, np.array(beads)).read([trajectory[:frames]])
-
-
-def maps(trajectory, frames=None):
-    return draw(spacetime_sheet(space_time_meter(trajectory.problem).read([trajectory[:frames]])))
-
-
-def distances(problem, shared, direction=1):
-    return draw(distance_sheet(problem, shared, ShareMeter(problem, shared).result([]), direction))
-
-
-def distances_of(trajectory):
-    found = surveyed(trajectory)
-    return draw(distance_sheet(found.problem, found.shared, found.energies, found.direction))
-
-
-# --- figures of a run -------------------------------------------------------------------------------------------------
-
-
-def distances_in_si():
-    """Peaks and arrivals at beads 2 to 5, all different; the lag is 0.25 T."""
-    problem, bead = hit(si=True), np.arange(2, 6)
-    arrival = np.stack([1.2 * bead, 1.2 * bead + 0.25], axis=1)
-    amplitude = 0.4 + 0.01 * np.arange(8.0).reshape(4, 2)
-    return distances(problem, Sharing(0, bead, arrival, amplitude, physics.energy(problem.system)), direction=-1)
-
-
-def distances_that_agree():
-    """Peaks are within 1 % from bead 62 on."""
-    amplitude = np.full((80, 2), 0.3)
-    amplitude[:60, 0] *= 1.0 + 0.05 * np.cos(np.arange(60))
-    problem = hit(beads=100)
-    shared = Sharing(0, np.arange(2, 82), np.zeros((80, 2)), amplitude, physics.energy(problem.system))
-    assert shared.agrees_from(0.01) == 62
-    return distances(problem, shared)
-
-
-def response_in_si():
-    problem = hit(si=True)
-    waves = with_speeds(np.array([1]), np.array([8]), np.array([5 * problem.every]), np.array([0.5]))
-    return draw(response_sheet(history(moving(problem, 2, 8, 5), (3, 8)), waves))
-
-
-def shape_by_hand():
-    """Velocity falls in time, from 0.3 to 0.1 in chain 1 and half of that in chain 2; peaks of 1, at t = 3."""
-    both, ones = np.array([1, 2]), np.ones(2)
-    passages = Passages(both, np.array([5, 5]), 3.0 * ones, ones, ones, np.ones(2, dtype=np.int64), *np.zeros((3, 2)))
-    time, velocity = np.tile([2.0, 3.0, 4.0], (2, 1)), np.outer([1.0, 0.5], [0.3, 0.2, 0.1])
-    waveforms = SimpleNamespace(passages=passages, time=time, velocity=velocity)
-    return draw(shape_sheet(scene(chains=2, beads=10).problem(), waveforms, [5]))
-
-
+FORCES = {"forces": {"wall": True, "contacts": [2, 7], "sensors": [5]}, "spectra": {"beads": [3, 8]}}
 RUNS = {
-    "distance": lambda: distances_of(ran()[0]),
-    "distance-si": distances_in_si,
-    "distance-agreement": distances_that_agree,
-    "distance-nine-chains": lambda: distances_of(reference(9, 0.2, 30, 40.0)),
-    "response": lambda: draw(response_sheet(history(ran()[0], (50,)), ran()[1].waves)),
-    "response-si": response_in_si,
-    "response-cut": lambda: draw(response_sheet(history(ran()[0], (10, 50, 60), frames=200))),
-    "response-twenty-chains": lambda: draw(response_sheet(history(of_twenty(), (1,)))),
-    "spacetime": lambda: maps(reference(2, 0.1, 60, 110.0)),
-    "spacetime-si": lambda: maps(moving(hit(si=True), 2, 10, 7)),
-    "spacetime-few-beads": lambda: maps(moving(hit(beads=50, recorded=(1, 5, 50)), 1, 5, 3)),
-    "spacetime-few-move": lambda: maps(moving(hit(beads=40), 1, 6, 2)),
-    "spacetime-twenty-chains": lambda: maps(of_twenty()),
-    "shape-by-hand": shape_by_hand,
+    "steel": {
+        "chains": 2,
+        "beads": 40,
+        "coupling": {"stiffness": 2.4e6},
+        "material": {"name": "steel", "radius": 4.76e-3},
+        "walls": {"right": "rigid"},
+        "duration": 7e-4,
+        "output": FORCES,
+    },
+    "losing": {
+        "chains": 12,
+        "beads": 12,
+        "kick": {"chain": 6, "velocity": 1.0},
+        "coupling": {"stiffness": 0.5},
+        "foundation": {"stiffness": 0.3},
+        "damping": {"beads": 0.02},
+        "duration": 30.0,
+        "output": {"every": 0.2, "forces": {"contacts": [2]}, "spectra": {"beads": [3]}},
+    },
+    "nine": {"chains": 9, "beads": 24, "coupling": {"stiffness": 0.2}, "duration": 34.0},
+    "plastic": {"beads": 30, "contact": {"yield": {"overlap": 0.1}}, "duration": 45.0, "output": {"every": 0.2}},
+    "few": {
+        "chains": 2,
+        "beads": 20,
+        "coupling": {"stiffness": 0.1},
+        "gap": 0.5,
+        "duration": 40.0,
+        "output": {"beads": [5, 9, 12], "every": 0.2},
+    },
 }
-
-# --- figures of measurements, with numbers made by hand ---------------------------------------------------------------
-
-
-def many():
-    return hit(si=True, chains=CHAINS, kicked=6, velocity=0.01)
+"""In SI units, of more chains than a figure shows, and of beads that are not all recorded."""
 
 
-def energy():
-    number, later = np.arange(1.0, CHAINS + 1.0), np.array([[1.0], [2.0], [3.0]])
-    flow = Flow(
-        np.array([0.0, 1.0, 4.0]), later * number / 100.0, np.zeros(3), later * number, np.full((3, CHAINS), 0.5)
-    )
-    return draw(EnergyMeasurement(many(), flow).sheet())
+@functools.cache
+def measured_run(name):
+    """Figures of the analysis of a run by the reference: name -> function that makes its panels."""
+    case = library.from_plain({"name": "test", "kick": {"velocity": 1.0}, **RUNS[name]}, "test")
+    with tempfile.TemporaryDirectory() as folder:
+        return measure(run(case, Path(folder) / "run", engine="reference", check=False).directory).figures
 
 
-def forces():
-    """100 for each gauge and 1 for each chain, at the second instant."""
-    problem = many()
-    places = gauges(problem.system, contacts=(2, 7), sensors=(5,))
-    force = np.add.outer(np.arange(1.0, CHAINS + 1.0), 100.0 * np.arange(1.0, 4.0))
-    nothing = np.zeros(force.shape)
-    rest = (*[nothing] * 7, nothing > 0.0, nothing)
-    readings = Readings(places, np.array([0.0, 1.0]), np.stack([nothing, force]), nothing, force, *rest)
-    return draw(ForceMeasurement(problem, [], readings).sheet())
+def of_run(name, figure):
+    return draw(measured_run(name)[figure]())
 
 
-def spectra():
-    """Lines at 0 and 0.1, a drive at 0.07, and an amplitude of chain 3 that is below the axis."""
-    amplitude = np.add.outer(np.array([0.2, 0.1]), np.add.outer(1e-3 * np.arange(CHAINS), np.array([0.3, 0.6])))
-    amplitude[1, 2] = 1e-12
-    of_drive, drive = np.zeros((1, CHAINS, 2)), np.array([0.07])
-    found = VelocitySpectra((3, 8), 2.0, np.array([0.0, 0.1]), amplitude, drive, of_drive, 0.0 * amplitude, of_drive)
-    return draw(SpectrumMeasurement(many(), None, found).sheet())
+SHOWN = ("steel-response", "steel-spacetime", "steel-distance", "steel-shape", "steel-forces", "steel-spectra")
+SHOWN += ("losing-response", "losing-spacetime", "losing-energy", "losing-forces", "losing-spectra", "losing-budget")
+SHOWN += ("nine-response", "nine-spacetime", "nine-distance", "nine-shape", "plastic-distance", "plastic-budget")
+SHOWN += ("plastic-plastic", "few-response", "few-spacetime", "few-distance")
+OF_RUNS = {name: partial(of_run, *name.split("-")) for name in SHOWN}
+
+# --- figures that compare, with numbers made by hand ------------------------------------------------------------------
 
 
-def budget(kinetic, time, problem=None, **others):
-    nothing = np.zeros(len(time))
-    stored = dict.fromkeys(("springs", "ground", "walls", "resonators"), nothing)
-    stored |= {"kinetic": kinetic, "contacts": 1.0 - kinetic, "dissipated": {}, **others}
-    supplied = stored.pop("supplied", np.ones(len(time)))
-    account = Account(time, supplied, **stored, other_atoms=None, in_resonators_error=None)
-    return draw(BudgetMeasurement(problem or small(), account).sheet())
-
-
-def oscillating_budget(period):
-    time = np.arange(400.0)
-    return budget(0.5 + 0.4 * np.sin(2.0 * np.pi * time / period), time)
-
-
-def plastic():
-    """Contacts 39 and 40 have not begun to open; the law is 5 n^(-1/2)."""
-    contact = np.arange(1, 41)
-    force = 5.0 * contact**-0.5
-    opened = (contact <= 38).astype(np.int64)
-    force[38:] = 1e-3
-    found = YieldTable(np.ones(40, dtype=np.int64), contact, force, force, 0.1 * force, opened, force)
-    return draw(PlasticMeasurement(small(chains=1), None, found).sheet())
+def hit():
+    """Twelve chains of ten beads in SI units; eight frames, 0.5 T apart."""
+    steel = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
+    options = {"chains": 12, "kick": (Kick(chain=6, velocity=0.01),), "material": steel}
+    unit = scene(**options).scale.time
+    return scene(beads=10, **options, duration=4.0 * unit, every=0.5 * unit).problem()
 
 
 def residuals():
     """Data are twice the run at first; residuals are 0.5 and -1.5, and 0 and 4, in units of the noise."""
-    problem = many()
+    problem = hit()
     unit = np.array([problem.scale.force, problem.scale.velocity])
     time = np.array([0.0, problem.scale.time])
     channels = (Channel("contact", 3, 2), Channel("velocity", 1, 5))
@@ -226,29 +120,10 @@ def validation():
     edges = ErrorMap(np.array([0.0, 2.0, 4.0]), np.arange(1, 12), error)
     deviations = {"velocity": Deviation(1e-3, 1e-4), "arrival": Deviation(4e-3, 1e-4), "displacement": Deviation(0, 0)}
     limits = {"velocity": 5e-4, "arrival": 1e-2, "displacement": 1e-2}
-    return validation_figure(many(), edges, deviations, limits, "reference")
+    return validation_figure(hit(), edges, deviations, limits, "reference")
 
 
-MEASUREMENTS = {
-    "energy-si": energy,
-    "forces-si": forces,
-    "spectra-si": spectra,
-    "budget-resolved": lambda: oscillating_budget(40.0),
-    "budget-mean": lambda: oscillating_budget(2.7),
-    "plastic": plastic,
-    "residuals-si": residuals,
-    "validation-si": validation,
-}
-
-
-def layers_in_si():
-    """0.3 - 0.02 t, 0.19, 0.01 and 0.02 t, which add up to 0.5."""
-    time = np.linspace(0.0, 10.0, 5)
-    held = {"contacts": np.full(5, 0.19), "walls": np.full(5, 0.01), "dissipated": {"contact_damping": 0.02 * time}}
-    return budget(0.3 - 0.02 * time, time, hit(si=True), supplied=np.full(5, 0.5), **held)
-
-
-MEASUREMENTS["budget-si"] = layers_in_si
+COMPARED = {"residuals-si": residuals, "validation-si": validation}
 
 # --- figures of studies, and what all figures share -------------------------------------------------------------------
 
@@ -335,9 +210,9 @@ SHEETS = {
     "one-line": lambda: draw(Sheet("of a run", [[replace(PANEL, curves=LINES[:1])]], 4.0)),
 }
 
-FIGURES = {**RUNS, **MEASUREMENTS, **STUDIES, **SHEETS}
-NARROW = ("distance-si", "distance-nine-chains", "response-si", "spacetime-twenty-chains", "shape-by-hand", "forces-si")
-NARROW += ("spectra-si", "budget-si", "plastic", "residuals-si", "validation-si", "swept-si", "map-holes", "histogram")
+FIGURES = {**OF_RUNS, **COMPARED, **STUDIES, **SHEETS}
+NARROW = [name for name in FIGURES if name.startswith(("steel", "losing"))]
+NARROW += ["plastic-plastic", "residuals-si", "validation-si", "swept-si", "map-holes", "histogram"]
 
 
 @pytest.mark.parametrize("name", FIGURES)
