@@ -20,7 +20,7 @@ pytestmark = pytest.mark.slow
 TESTS = Path(__file__).parent
 
 OWN = '''
-"""Springs of the fifth power, stiffer contacts, a mass inside each bead, contacts with a state."""
+"""Springs of the fifth power, a mass inside each bead, contacts with a state."""
 
 from typing import Annotated
 
@@ -76,41 +76,6 @@ class Bed(Ingredient):
 
     def links(self, scene):
         return (Links.ground("bed", dimensionless(Quintic(self.quintic), scene.scale)),)
-
-
-class Stiffening(Law):
-    """``A s**1.5 (1 + b s)``."""
-
-    strength: Pure
-    b: Annotated[Parameter, Dimension(length=-1)]
-
-    @staticmethod
-    def force(s, strength, b):
-        closed = np.maximum(s, 0.0)
-        return strength * closed**1.5 * (1.0 + b * closed)
-
-    @staticmethod
-    def energy(s, strength, b):
-        closed = np.maximum(s, 0.0)
-        return strength * (0.4 * closed**2.5 + b / 3.5 * closed**3.5)
-
-    @staticmethod
-    def stiffness(s, strength, b):
-        closed = np.maximum(s, 0.0)
-        return strength * (1.5 * closed**0.5 + 2.5 * b * closed**1.5)
-
-    @staticmethod
-    def max_strain(energy, strength, b):
-        return (2.5 * energy / np.where(strength > 0.0, strength, np.inf)) ** 0.4
-
-    along = formula.along("strength*(0.4*s^2.5+b/3.5*s^3.5)")
-
-
-class Stiffer(Ingredient):
-    b: Annotated[float, Field(gt=0)]
-
-    def contact_law(self, strength):
-        return Stiffening(strength, self.b)
 
 
 class Masses(Ingredient):
@@ -179,7 +144,7 @@ class Wear(Ingredient):
         return self.takes_away
 
 
-INGREDIENTS = {"bed": Bed, "masses": Masses, "stiffer": Stiffer, "tie": Tie, "wear": Wear}
+INGREDIENTS = {"bed": Bed, "masses": Masses, "tie": Tie, "wear": Wear}
 '''
 
 SCENES: dict[str, dict[str, Any]] = {
@@ -190,8 +155,6 @@ SCENES: dict[str, dict[str, Any]] = {
         "bed": {"quintic": 1.5},
         "duration": 40,
     },
-    "contact": {"stiffer": {"b": 0.5}, "damping": {"contact": 0.2}, "kick": {"velocity": 4.0}, "timestep": 0.001},
-    "held": {"stiffer": {"b": 0.5}, "walls": {"right": "bead"}, "gap": 0.3, "kick": {"velocity": 4.0}, "duration": 12},
     "inner": {"beads": 30, "masses": {"mass": 0.1, "stiffness": 1.0}, "duration": 40},
     "worn": {"beads": 2, "wear": {"share": 0.19}, "duration": 8, "timestep": 0.01},
 }
@@ -226,8 +189,6 @@ run(scene, "cut", check=False, lammps=here.interrupted_after(500))
 resume("cut", check=False, lammps=here.run)
 again = RunDirectory(Path("cut")).trajectory.velocity
 reference = engine.run(problem)
-damped = run(find("contact.yaml"), "damped", lammps=here.run)
-held = engine.run(find("held.yaml").problem())
 inner = run(find("inner.yaml"), "inner", lammps=here.run)
 peaks = find_peaks([engine.run(inner.directory.problem)])
 worn = find("worn.yaml").problem()
@@ -244,10 +205,7 @@ print(json.dumps({
     "quantities": sorted(validate.validate(whole.directory).deviations),
     "bounds": [rates.stability_bound(find(f"{name}.yaml").system) for name in ("untied", "bed")],
     "ground": float(problem.system.ground[0].energy(reference.displacement).max()),
-    "damped": damped.check.velocity,
-    "own_contacts": (damped.trajectory.velocity[-1] * 4.0).tolist(),
     "velocity": reference.velocity[-1].tolist(),
-    "held": [(held.displacement[-1, 0] * held.problem.scale.length).tolist(), (held.velocity[-1, 0] * 4.0).tolist()],
     "inner": inner.check.velocity,
     "shape": inner.trajectory.velocity.shape,
     "peak": float(peaks.velocity[peaks.bead == 20][0]),
@@ -315,21 +273,6 @@ def test_it_shortens_the_stability_bound(found):
     assert tied < untied
 
 
-def test_a_wall_beside_own_contacts_has_their_law(found):
-    """In the scene's units: the last bead and a wall as far apart as beads, with the force s**1.5 (1 + 0.5 s)."""
-
-    def rate(_, state):
-        s = np.maximum(state[:8] - np.append(state[1:8], 0.0) - 0.3, 0.0)
-        push = s**1.5 * (1.0 + 0.5 * s)
-        return np.concatenate([state[8:], np.append(0.0, push[:-1]) - push])
-
-    start = np.zeros(16)
-    start[8] = 4.0
-    exact = solve_ivp(rate, (0.0, 12.0), start, method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
-    assert exact[8:].min() < -1.0  # reflected
-    np.testing.assert_allclose(np.ravel(found[1]["held"]), exact, atol=1e-4)
-
-
 def test_an_interrupted_run_goes_on_bit_for_bit(found):
     assert found[1]["from_step"] > 0
     assert found[1]["same"]
@@ -354,23 +297,6 @@ def test_the_reference_agrees_with_an_independent_integrator(found):
     exact = solve_ivp(rate, (0.0, 40.0), start, method="DOP853", rtol=1e-12, atol=1e-14).y[24:, -1].reshape(3, 8)
     assert np.abs(exact[2]).max() > 0.1
     np.testing.assert_allclose(found[1]["velocity"], exact, atol=2e-5)
-
-
-def test_own_contacts_are_scaled_and_damped_like_built_in_ones(found):
-    """In the scene's units, at V = 4: a force s**1.5 (1 + 0.5 s) and a dashpot 0.2 s' while beads touch."""
-
-    def acceleration(x, v):
-        s = np.maximum(x[:-1] - x[1:], 0.0)
-        push = s**1.5 * (1.0 + 0.5 * s) + 0.2 * (s > 0.0) * (v[:-1] - v[1:])
-        return np.append(0.0, push) - np.append(push, 0.0)
-
-    step, x, v = 5e-4, np.zeros(8), np.zeros(8)
-    v[0] = 4.0
-    for _ in range(20_000):  # the midpoint rule
-        half = v + 0.5 * step * acceleration(x, v)
-        x, v = x + step * half, v + step * acceleration(x + 0.5 * step * v, half)
-    assert found[1]["damped"] < 5e-4
-    np.testing.assert_allclose(found[1]["own_contacts"][0], v, atol=4.0 * found[1]["damped"] + 1e-5)
 
 
 def test_a_mass_inside_each_bead_acts_alike_in_lammps_and_the_reference_and_stands_in_no_table(found):

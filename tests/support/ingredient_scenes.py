@@ -213,6 +213,11 @@ CASES: dict[str, dict[str, Any]] = {
         "foundation": {"force": "f*sin(s/s0)", "f": 0.2, "s0": 0.6},
     },
     "magnets": {"contact": MAGNETS, "walls": {"left": "bead", "right": "bead"}, "kick": {"velocity": 0.3}},
+    "formula of contacts, damped, wall": {
+        "contact": {"force": "a*s^1.5*(1+s/s0)", "a": 1.0, "s0": 2.0},
+        "damping": {"contact": 0.2},
+        "walls": {"right": "bead"},
+    },
     "driven": {"drive": [MOVED, FORCED], "kick": None},
     "driven by two tones, a piston and records": {"drive": RECORDED, "kick": None},
     "driven by records, damped": {"drive": RECORDED[:2] + RECORDED[3:], "kick": None, "damping": LOSSES["all"]},
