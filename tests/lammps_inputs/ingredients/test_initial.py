@@ -56,10 +56,9 @@ def test_velocities_alone_are_kicks_which_add_to_those_of_the_same_bead():
     assert state.system.holds(Fact.PULSE)
 
 
-@pytest.mark.parametrize("mode", [1, 3])
-def test_a_normal_mode_of_a_linear_chain_keeps_its_shape(mode, tmp_path):
+def test_a_normal_mode_of_a_linear_chain_keeps_its_shape(tmp_path):
     """Contacts of exponent 1 that stay closed are springs: ``x_i = a sin(q i) cos(omega t)`` between walls."""
-    beads, size, q = 8, 1e-3, mode * math.pi / 9.0
+    beads, size, q = 8, 1e-3, 3.0 * math.pi / 9.0
     omega = 2.0 * math.sin(0.5 * q)
     rows = [[1, i, size * math.sin(q * i), 0.0] for i in range(1, beads + 1)]
     case = scene(

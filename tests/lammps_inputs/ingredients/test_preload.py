@@ -51,7 +51,7 @@ def test_a_pressed_chain_of_linear_contacts_swings_by_its_modes(tmp_path):
 
 
 def test_small_and_large_loads_run_with_a_small_error_and_their_energy(tmp_path):
-    for force in (1e-9, 1e-3, 1.0, 1e3):
+    for force in (1e-9, 1.0, 1e3):
         found = run(loaded(precompression={"force": force}, beads=20, duration=10.0), tmp_path / f"{force}")
         assert found.check.velocity < 3e-4, force
         assert found.check.reference.energy < 1e-6, force
