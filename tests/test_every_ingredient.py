@@ -307,7 +307,6 @@ EDITED = {
         "the strength of the contacts differs from the scene's at 14 places, most of all: the contacts between beads 4 "
         "and 5 of chain 1 are 1.336 times as strong as the scene says",
     ),
-    "foundation": ("foundation", r"foundation index 0\.5", "foundation index 0.55", f"the foundation is {MORE}"),
     "no modulation": (
         "foundation rising, modulated",
         r"\(1\+0\.5\*sin",
@@ -315,18 +314,6 @@ EDITED = {
         "the change of the foundation in time is missing",
     ),
     "wall": ("walls", "right_wall index 5 ", "right_wall index 5.5 ", f"the right wall is {MORE}"),
-    "no load": (
-        "pressed",
-        r"fix load_\w+ .*\n",
-        "",
-        "the forces that hold the beads at rest (on the ends, or weights) are missing",
-    ),
-    "formula of contacts": (
-        "magnets",
-        r'pair_coeff \* \* "',
-        'pair_coeff * * "1.1*',
-        "the contacts are 1.1 times as strong as the scene says",
-    ),
     "masses of resonators": (
         RESONANT,
         r"fix motion all nve",

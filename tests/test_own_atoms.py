@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import labelled
 from analysis.compare import start
 from analysis.compare.difference import errors_of
 from analysis.conservation import AccountMeter
@@ -78,18 +77,6 @@ def test_an_atom_at_one_bead_of_one_chain_weighs_on_it_and_stands_at_its_place()
 
 
 # --- where they are named ---------------------------------------------------------------------------------------------
-
-
-def test_arrays_are_called_by_the_noun_each_with_its_lines(mixed):
-    dataset = labelled.labelled(mixed)
-    assert {name for name in dataset if "resonator" in name or "pendulum" in name} == {
-        f"{noun}{what}" for noun in ("resonator", "pendulum") for what in ("", "_displacement", "_velocity")
-    }
-    pendulum = dataset["pendulum_velocity"]
-    assert pendulum.dimensions == ("time", "pendulum", "bead")
-    assert dataset["pendulum"].long_name.startswith("number of the line of pendulums")
-    np.testing.assert_array_equal(pendulum.values[:, :, 2:4], mixed.atoms[1][:, 4:, 2:4])
-    assert np.isnan(pendulum.values[:, :, [0, 1, 4, 5]]).all()
 
 
 def test_the_atom_that_does_not_start_at_rest_is_called_by_its_noun(mixed):

@@ -21,52 +21,6 @@ def build():
         del sys.modules[name]
 
 
-PAGE = """# All keys
-
-What they are, see [beads](#beads-gap).
-
-# The chains
-
-## beads, gap
-
-How many: `n: 2`, and how far. More.
-
-```yaml
-# no heading
-## nor this
-```
-
-## walls
-
-| key | meaning |
-|---|---|
-
-# Time and output
-
-Until when.
-
-## duration
-
-The end of the run, see [walls](#walls) and [the model](MODEL.md#end).
-"""
-
-
-@pytest.mark.parametrize(
-    ("path", "link", "moved"),
-    [
-        ("folder/ALL.md", "#walls", "scene-walls.md"),
-        ("folder/OTHER.md", "ALL.md#walls", "scene-walls.md"),
-        ("README.md", "folder/ALL.md#walls", "folder/scene-walls.md"),
-        ("other/README.md", "../folder/ALL.md#the-chains", "../folder/ALL.md#the-chains"),
-        ("other/README.md", "../folder/ALL.md", "../folder/ALL.md"),
-        ("other/README.md", "#walls", "#walls"),
-    ],
-)
-def test_links_lead_to_the_page_of_a_section_from_wherever_they_stand(build, path, link, moved):
-    places = build.sections.moved("folder/ALL.md", build.sections.cut(PAGE, "scene"))
-    assert build.sections.relinked(f"see [this]({link}).", path, places) == f"see [this]({moved})."
-
-
 def test_every_page_of_the_site_has_one_heading_of_the_first_level_and_loses_no_line(build):
     cut = build.cut_pages()
     assert {"lammps_inputs/SCENES.md", "workflow/README.md"} <= cut.keys()

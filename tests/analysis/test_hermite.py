@@ -23,16 +23,6 @@ def test_a_polynomial_of_the_full_degree_is_found_again(nodes, derivatives, spac
     np.testing.assert_allclose(hermite.coefficients(nodes, data, spacing), wanted, rtol=0, atol=1e-10)
 
 
-@pytest.mark.parametrize(("nodes", "derivatives"), CASES)
-def test_values_and_derivatives_at_the_nodes_are_those_given(nodes, derivatives):
-    data = np.random.default_rng(3).uniform(-1, 1, (len(nodes), derivatives))
-    polynomial = hermite.coefficients(nodes, data, 1.0)
-    for order in range(derivatives):
-        for place, node in enumerate(nodes):
-            assert hermite.value(polynomial, np.float64(node)) == pytest.approx(data[place, order], abs=1e-9)
-        polynomial = hermite.derivative(polynomial)
-
-
 @pytest.mark.parametrize(("derivatives", "order"), [(2, 4), (3, 6)])
 def test_the_error_of_a_cosine_falls_with_the_expected_order(derivatives, order):
     spacing = np.array([0.8, 0.56, 0.4, 0.28, 0.2])

@@ -13,7 +13,7 @@ from synthetic_waves import reference, surveyed
 from analysis import motion
 from analysis.conservation import ConservationMeter
 from analysis.contacts import OverlapMeter
-from analysis.meters import AFTER, BEFORE, measured, parts_of
+from analysis.meters import measured, parts_of
 from analysis.shape.waveforms import reach
 from analysis.sharing.energies import FlowMeter, ShareMeter
 from analysis.sharing.impulses import ImpulseMeter
@@ -23,34 +23,12 @@ from analysis.trajectory import Trajectory
 from lammps_inputs import Kick
 
 
-def numbered(frames):
-    """Frames whose displacement is their number, and whose velocity is minus that."""
-    what = problem(frames=frames)
-    number = np.arange(frames, dtype=float)
-    state = np.broadcast_to(number[:, np.newaxis, np.newaxis], (frames, what.chains, what.beads))
-    return Trajectory(what, number * what.every, state, -state)
-
-
 def cut(run, places):
     edges = [0, *sorted({place for place in places if 0 < place < run.frames}), run.frames]
     return [run[start:end] for start, end in itertools.pairwise(edges)]
 
 
 places = st.lists(st.integers(1, 60), max_size=12)
-
-
-@given(st.integers(1, 60), places)
-def test_every_frame_belongs_to_one_part_and_has_its_neighbours_around_it(frames, places):
-    run, after = numbered(frames), 0
-    for part in parts_of(cut(run, places)):
-        assert part.start == after
-        after += part.count
-        first, last = max(0, part.start - BEFORE), min(frames, after + AFTER)
-        assert part.around.displacement[:, 0, 0].tolist() == list(range(first, last))
-        assert part.frames.displacement[:, 0, 0].tolist() == list(range(part.start, after))
-        assert part.to_next.displacement[:, 0, 0].tolist() == list(range(part.start, min(frames, after + 1)))
-        assert part.is_last == (after == frames)
-    assert after == frames
 
 
 @pytest.fixture(scope="module")

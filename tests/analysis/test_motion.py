@@ -27,10 +27,6 @@ def random_state(like, seed=1):
     return Trajectory(like, np.zeros(1), x, rng.uniform(-1, 1, x.shape))
 
 
-def test_an_overlap_is_positive_where_beads_press_and_counts_from_the_gap():
-    np.testing.assert_allclose(motion.overlaps(problem(gap=0.25).system, np.array([[1.0, 0.25, 0.5]])), [[0.5, -0.5]])
-
-
 @pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
 def test_acceleration_is_minus_the_slope_of_the_energy(chains, kappa, gap):
     state = random_state(problem(chains, kappa, gap))
@@ -43,16 +39,6 @@ def test_acceleration_is_minus_the_slope_of_the_energy(chains, kappa, gap):
         slope = (motion.energy(like.system, x + shift, v) - motion.energy(like.system, x - shift, v)) / (2 * h)
         # the third derivative of 2/5 r^2.5 is below r^-0.5: 3 h^1.5 at an opening contact, and rounding 10 eps / h
         assert -slope == pytest.approx(acceleration[place], abs=3 * h**1.5 + 2e-10)
-
-
-@pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
-def test_power_adds_up_to_nothing(chains, kappa, gap):
-    state = random_state(problem(chains, kappa, gap))
-    acceleration = everywhere(state)[0][0]
-    h = 1e-5  # along the motion: x + h v, v + h a
-    x, v = state.displacement[0], state.velocity[0]
-    ahead, behind = (motion.energy(state.problem.system, x + s * v, v + s * acceleration) for s in (h, -h))
-    assert (ahead - behind) / (2 * h) == pytest.approx(0.0, abs=9 * chains * (3 * h**1.5 + 2e-10))
 
 
 @pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
@@ -79,12 +65,6 @@ def test_the_rate_is_the_slope_of_the_acceleration(chains, kappa, gap):
     # the rate goes like r^0.5 at an opening contact: h^0.5 there, at speeds up to 1 and a slope of 3/2
     assert np.abs(slope - rate[1:-1]).max() < 1.5 * h**0.5
     assert np.median(np.abs(slope - rate[1:-1])) < h**2
-
-
-def test_a_bead_at_rest_beside_nothing_feels_nothing():
-    acceleration, rate = everywhere(random_state(problem(chains=1, kappa=None, gap=3.0)))
-    assert not acceleration.any()
-    assert not rate.any()
 
 
 def test_the_energy_of_one_contact_and_one_spring_is_their_sum():

@@ -46,13 +46,3 @@ def test_a_mistake_is_found_where_it_stands(line, where, tmp_path):
     right = {"beads": "beads: 9", "kick": "kick: {velocity: 1}", "duration": "duration: 2", "name": "name: a"}
     right[line.partition(":")[0]] = line
     assert complaints("\n".join(right.values()), tmp_path) == [where]
-
-
-def test_a_scene_to_start_from_is_a_scene_that_knows_its_schema(tmp_path):
-    for name in (None, "dimer"):
-        path = tmp_path / "mine.yaml"
-        path.write_text(library.to_start_from(name))
-        first, *rest = path.read_text().splitlines()
-        assert first == library.EDITORS + FILE.as_uri()
-        assert not any(line.startswith(library.EDITORS) for line in rest)
-        assert library.load(path).problem()

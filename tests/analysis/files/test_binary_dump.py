@@ -261,8 +261,6 @@ def test_a_cut_at_any_byte_of_the_only_frame_leaves_nothing_to_read(tmp_path: Pa
     ("content", "reason"),
     [
         (b"hello", "is not a LAMMPS binary dump of style custom"),
-        (bytes(5000), "is not a LAMMPS binary dump of style custom"),
-        (bytes(range(256)) * 10, "is not a LAMMPS binary dump of style custom"),
         (b"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n", "text dump"),
         (struct.pack("<q8s", -8, b"DUMPATOM") + bytes(100), "style atom"),
         (struct.pack(">q10s", -10, b"DUMPCUSTOM") + bytes(100), "big-endian"),
@@ -271,8 +269,6 @@ def test_a_cut_at_any_byte_of_the_only_frame_leaves_nothing_to_read(tmp_path: Pa
         (frame(0, [rows(1, 2)], names="type x vx"), "`id` must be among them"),
         (frame(0, [rows(1, 2)], names="id x"), None),
         (frame(0, [rows(1, 1)]), "not different whole numbers"),
-        (frame(0, [rows(0, 1)]), "not different whole numbers"),
-        (frame(0, [rows(1, 2) * 1.5]), "not different whole numbers"),
         (frame(0, [rows(1, 2) * np.nan]), "not different whole numbers"),
     ],
 )
