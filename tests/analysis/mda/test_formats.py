@@ -7,7 +7,7 @@ from stock_lammps import run, scene
 
 import analysis.mda.formats as formats
 from analysis import trajectory
-from analysis.files.recording import blocks, rest_positions
+from analysis.files.recording import blocks
 from lammps_inputs import file_names
 
 TEXT = "frames.lammpstrj"
@@ -49,22 +49,15 @@ def test_every_frame_is_read_in_float64_in_any_order_however_many_are_read_ahead
         check(ts, expected, number)
         assert {ts.data[name].dtype for name in ("displacement", "velocity", "x", "vx")} == {np.dtype(np.float64)}
         assert ts.data["step"] == number * PROBLEM.steps_per_frame
+        np.testing.assert_array_equal(universe.atoms.positions[:, 0], ts.data["x"].astype(np.float32))
+        np.testing.assert_array_equal(universe.atoms.velocities[:, 0], ts.data["velocity"].astype(np.float32))
+        assert not universe.atoms.velocities[:, 1:].any()
     assert number == PROBLEM.frames == universe.trajectory.n_frames - 1
     for number in (17, 3, 60, 0, 4, 5, -1):
         check(universe.trajectory[number], expected, number % 61)
     for part in (slice(10, 20), slice(None, None, -3), [5, 1, 30]):
         for number, ts in zip(np.arange(61)[part], universe.trajectory[part], strict=True):
             check(ts, expected, number)
-
-
-def test_positions_and_velocities_for_viewing_lie_along_the_chain(universe: mda.Universe) -> None:
-    ts = universe.trajectory[30]
-    np.testing.assert_array_equal(universe.atoms.positions[:, 0], ts.data["x"].astype(np.float32))
-    np.testing.assert_array_equal(universe.atoms.velocities[:, 0], ts.data["velocity"].astype(np.float32))
-    assert not universe.atoms.positions[:, 2].any()
-    assert not universe.atoms.velocities[:, 1:].any()
-    width = 2.0 * PROBLEM.layout.spacing
-    np.testing.assert_allclose(ts.dimensions[1:], [(1 + PROBLEM.chains) * width, 2.0 * width, 90.0, 90.0, 90.0])
 
 
 def test_the_text_dump_of_the_same_columns_reads_to_the_same_arrays(directory: Path, universe: mda.Universe) -> None:
@@ -93,36 +86,6 @@ def test_time_is_lammps_own_unless_a_timestep_or_a_time_per_frame_is_given(direc
         assert trajectory.dt == pytest.approx(dt)
     with pytest.raises(ValueError, match=r"either timestep .* or dt"):
         mda.Universe(*files, timestep=1.0, dt=1.0)
-
-
-# several files, copies
-
-
-def parts(directory: Path, tmp_path: Path) -> list[Path]:
-    """The dump in two files."""
-    raw = (directory / file_names.DUMP).read_bytes()
-    size = len(raw) // 61
-    paths = [tmp_path / "1.bin", tmp_path / "2.bin"]
-    paths[0].write_bytes(raw[: 40 * size])
-    paths[1].write_bytes(raw[40 * size :])
-    return paths
-
-
-def test_several_dumps_in_a_row_are_one_trajectory(
-    directory: Path, tmp_path: Path, expected: trajectory.Trajectory
-) -> None:
-    rest = rest_positions(PROBLEM).ravel()
-    chain = mda.Universe(
-        directory / file_names.DATA, parts(directory, tmp_path), timestep=PROBLEM.timestep, rest=rest
-    ).trajectory
-    assert len(chain) == 61
-    for number in (*range(61), 3, 50, 39, 40):
-        ts = chain[number]
-        check(ts, expected, number)
-        assert ts.data["step"] == number * PROBLEM.steps_per_frame
-
-
-# damage
 
 
 # topology

@@ -50,14 +50,6 @@ def test_results_are_those_of_the_arrays(ran: mda.Universe, runs: tuple[RunDirec
     np.testing.assert_allclose(found.arrival[inner], wanted.arrival[inner], rtol=1e-9)
 
 
-def test_the_problem_of_another_time_step_is_refused(ran: mda.Universe) -> None:
-    other = SCENE.model_copy(update={"timestep": 0.0125}).problem()
-    with pytest.raises(
-        ValueError, match=r"step 10, but the problem's are 8 steps apart; .* the scene\.yaml of the run"
-    ):
-        LeadingWaves(ran, other).run()
-
-
 def test_several_processes_find_what_one_does_also_of_few_frames_each_and_of_a_window(
     runs: tuple[RunDirectory, RunDirectory],
 ) -> None:
