@@ -92,6 +92,10 @@ def test_share_of_the_energy_in_the_waves_is_that_of_the_table_by_amplitude_and_
     assert np.sum(found.energies.wave[-1]) == pytest.approx(share, abs=1e-3)
 
 
+def test_energies_of_the_chains_add_up_to_that_of_the_kick():
+    assert np.allclose(np.sum(run(3, 0.1).energies.chain, axis=1), 1.0, rtol=0, atol=1e-5)
+
+
 def test_no_wave_holds_more_than_its_chain():
     energies = run(2, 0.1).energies
     known = np.isfinite(energies.wave)

@@ -82,6 +82,11 @@ def test_a_ramp_is_bounded_by_its_stiffest_row():
     assert rates.modal_frequency(ramp.system) == pytest.approx(np.sqrt(2.0 * 50.0), rel=1e-14)
 
 
+def test_many_chains_are_bounded_without_a_matrix():
+    ring = scene({"stiffness": 1.0, "topology": "ring"}, chains=400, beads=2).system
+    assert rates.modal_frequency(ring) == pytest.approx(2.0, rel=1e-14)  # sqrt(4), which a ring of an even number has
+
+
 def test_chains_that_are_tied_are_one_group():
     system = scene(graph(edges=[[1, 4], [2, 3]]), chains=5).system
     assert [physics.tied_to(system, chain) for chain in range(5)] == [[0, 3], [1, 2], [1, 2], [0, 3], [4]]

@@ -1,6 +1,7 @@
 """Pushes and drives: units, tables, moved beads, causes; the motion is in `test_every_ingredient`."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import yaml
 from ingredient_scenes import FORCED as PUSHED
 from ingredient_scenes import MOVED, STEEL
 from plain_scene import scene
+from wrong_runs import causes
 
 from analysis.conservation import ConservationMeter
 from lammps_inputs import file_names, library, physics
@@ -177,3 +179,21 @@ def test_above_the_cut_off_of_a_linear_chain_amplitude_falls_by_what_theory_says
     fall = math.exp(-2.0 * math.acosh(0.5 * omega))
     assert fall == pytest.approx(0.412, abs=5e-4)
     assert amplitude[1:4] / amplitude[:3] == pytest.approx(fall, rel=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        (({**MOVED, "phase": -50.0}, PUSHED), "drive of bead 1 of chain 1 has a phase of -50 instead of -60 degrees"),
+        ((MOVED, {**PUSHED, "phase": 45.0}), "drive on bead 4 of chain 2 has a phase of 45 instead of 30 degrees"),
+        ((MOVED, {**PUSHED, "frequency": 0.22}), "frequency of the drive on bead 4 of chain 2 is 1.1 times that of"),
+    ],
+    ids=["phase of motion", "phase", "frequency"],
+)
+def test_what_is_wrong_with_a_drive_is_named(wrong, said):
+    kicked = {"kick": {"chain": 2, "bead": 8, "velocity": -2.0}, "output": {"every": 0.1}}  # which makes V the same
+    right, other = (engine.run(driven(*drives, **kicked).problem()) for drives in ((MOVED, PUSHED), wrong))
+    (cause,) = causes(replace(other, problem=right.problem), right)
+    assert cause.removeprefix("the ").startswith(said)
+    assert not any("drive" in cause for cause in causes(right, replace(other, problem=right.problem)))

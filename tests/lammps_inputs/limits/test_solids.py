@@ -69,6 +69,13 @@ def test_the_lower_bound_is_never_above_the_upper(chains, kappa, gap, velocities
     assert 0.0 <= low <= high
 
 
+def test_bounds_are_those_of_relative_motion_and_the_lower_is_0_where_beads_need_not_meet():
+    at_rest, moving = ([(1, 1, 1.0 + u), (1, 2, u), (1, 3, u)] for u in (0.0, 0.5))
+    assert bounds_of(1, 3, 0.0, 0.0, moving) == pytest.approx(bounds_of(1, 3, 0.0, 0.0, at_rest), rel=1e-14)
+    assert bounds_of(1, 4, 0.0, 0.0, [(1, 1, -1.0)])[0] == 0.0
+    assert bounds_of(2, 4, 1.0, 10.0, [(1, 1, 1.0)])[0] == 0.0  # springs may stop the bead within the gap
+
+
 def test_the_pressure_is_the_published_one_of_two_spheres():
     """code_aster, V6.04.222: two spheres of 50 mm (E = 20 GPa, nu = 0.3) approach by 4 mm: 2798.3 MPa."""
     assert peak_pressure(4e-3, 50e-3, 20e9, 0.3) == pytest.approx(2798.3e6, abs=0.05e6)
