@@ -38,7 +38,4 @@ def test_what_was_never_struck_has_no_impulse_and_no_time():
     assert found.contacts[0].tolist() in ([1, 1, 0, 0], [1, 0, 0, 0])
     assert found.first[0, -1] == found.total[0, -1] == 0.0
     assert math.isnan(found.time[0, -1])
-
-
-def test_no_collision_at_all_is_a_result_too():
     assert not impulses(duration=0.5).first.any()
