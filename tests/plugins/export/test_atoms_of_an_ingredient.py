@@ -60,14 +60,9 @@ INGREDIENTS = {"pendulum": Pendulum}
 '''
 
 SCENE = {
-    "name": "hung",
-    "chains": 3,
-    "beads": 10,
-    "coupling": {"stiffness": 0.1},
+    **{"name": "hung", "chains": 3, "beads": 10, "duration": 12, "timestep": 0.005, "coupling": {"stiffness": 0.1}},
     "pendulum": {"chain": 2, "bead": 4, "mass": 0.05, "stiffness": 0.5, "damping": 0.02},
     "kick": {"chain": 2, "velocity": 1},
-    "duration": 12,
-    "timestep": 0.005,
 }
 
 FORMATS = ("netcdf", "ovito", "vmd")
@@ -75,7 +70,7 @@ FORMATS = ("netcdf", "ovito", "vmd")
 
 @pytest.fixture(scope="module")
 def hung(tmp_path_factory):
-    """Directory with a run of LAMMPS on two ranks, its analysis, validation, exports and page; text of each command."""
+    """Directory with a run of LAMMPS, its analysis, validation, exports and page; text of each command."""
     place = tmp_path_factory.mktemp("hung")
     (place / "own_pendulum.py").write_text(OWN)
     (place / "hung.yaml").write_text(json.dumps(SCENE))
@@ -83,22 +78,14 @@ def hung(tmp_path_factory):
     texts = {}
     for words in (
         ("run", "hung.yaml", "-o", "run"),
-        ("run", "hung.yaml", "-o", "ranks", "--ranks", "2", "--no-check"),
         ("analyze", "run", "--json"),
         ("validate", "run"),
         ("export", "run", "--to", ",".join(FORMATS), "-o", "out"),
-        ("export", "ranks", "--to", "netcdf", "-o", "on-two"),
         ("view", "run", "--no-open"),
     ):
-        done = subprocess.run(
-            [sys.executable, "-m", "workflow.cli", *words],
-            cwd=place,
-            env={**os.environ, **environment},
-            capture_output=True,
-            text=True,
-            timeout=HANGS,
-            check=False,
-        )
+        command = [sys.executable, "-m", "workflow.cli", *words]
+        options = {"cwd": place, "env": {**os.environ, **environment}, "timeout": HANGS}
+        done = subprocess.run(command, capture_output=True, text=True, check=False, **options)
         assert done.returncode == 0, (words, done.stderr[-2000:])
         texts[words[0]] = done.stdout
     return place, texts
@@ -120,11 +107,6 @@ def test_an_atom_at_one_bead_of_one_chain_is_run_and_named_from_the_deck_to_the_
     assert "small circles: pendulums" in page
     assert not any("resonator" in text.lower() for text in (texts["run"], texts["validate"], texts["export"], page))
 
-
-@pytest.mark.slow
-@needs("pages")
-def test_exported_frames_name_an_atom_at_one_bead_by_its_noun(hung):
-    place, _ = hung
     with hoomd.open(str(place / "out" / "frames.gsd"), "r") as file:
         particles = file[-1].particles
     assert particles.types == ["chain 1", "chain 2", "chain 3", "pendulums 1"]
@@ -132,11 +114,3 @@ def test_exported_frames_name_an_atom_at_one_bead_by_its_noun(hung):
     with xarray.open_dataset(place / "out" / "frames.nc", engine="h5netcdf") as dataset:
         moving = np.isfinite(dataset.pendulum_velocity).all(dim="time")
         assert np.argwhere(moving.values).tolist() == [[0, 3]]
-
-
-@pytest.mark.slow
-def test_an_atom_at_one_bead_moves_alike_on_two_ranks(hung):
-    one, two = (xarray.open_dataset(hung[0] / name / "frames.nc", engine="h5netcdf") for name in ("out", "on-two"))
-    with one, two:
-        assert one.pendulum_velocity.identical(two.pendulum_velocity)
-        assert one.velocity.identical(two.velocity)

@@ -38,11 +38,8 @@ def test_an_image_has_the_middles_of_its_pixels_and_the_label_of_the_colours():
     )
 
 
-def test_a_panel_without_a_number_has_no_table():
-    assert columns_of(Panel(TIMES, RATIO, (Curve("chain 1", TIME[:0], SPEED[:0]),))) == {}
-
-
 def test_a_band_has_half_of_its_height_where_there_is_one():
     curve = Curve("chain 1", TIME, SPEED)
     table = columns_of(Panel(TIMES, RATIO, (replace(curve, spread=0.5 * TIME), curve)))
     np.testing.assert_array_equal(table[BAND], [0.0, 0.5, 1.0, np.nan, np.nan, np.nan])
+    assert columns_of(Panel(TIMES, RATIO, (Curve("chain 1", TIME[:0], SPEED[:0]),))) == {}

@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 
 import granchain
-from workflow.cli import main
-from workflow.plugins.export import tables
 
 
 def rows(path):
@@ -55,14 +53,12 @@ def test_parquet_holds_the_columns_of_the_csv_with_units_and_null_where_it_is_em
 
 
 @pytest.mark.usefixtures("pool_here")
-def test_a_sweep_is_exported_as_its_table_and_as_nothing_else(tmp_path, capsys):
+def test_a_sweep_is_exported_as_its_table(tmp_path):
     scene = {"name": "tiny", "beads": 8, "kick": {"velocity": 1.0}, "duration": 4.0}
     table = granchain.sweep({"scene": scene, "vary": {"beads": [8, 9]}, "engine": "reference"}, tmp_path / "swept")
     [path] = granchain.export(tmp_path / "swept", "csv")
     assert path == tmp_path / "swept/table.csv"
     assert path.read_text() == table.to_csv()
-    assert main(["export", str(tmp_path / "swept"), "--to", "netcdf"]) == 2
-    assert capsys.readouterr().err.endswith("swept is a sweep, which is exported to parquet or csv\n")
 
 
 def test_figures_are_vector_graphics_with_their_numbers_beside_them(run_of, tmp_path):
@@ -71,11 +67,3 @@ def test_figures_are_vector_graphics_with_their_numbers_beside_them(run_of, tmp_
     assert {"response.svg", "response.pdf", "figure-response-1.csv"} <= names
     assert ET.parse(tmp_path / "response.svg").getroot().tag.endswith("svg")
     assert (tmp_path / "response.pdf").read_bytes().startswith(b"%PDF")
-
-
-def test_a_table_without_a_row_becomes_a_table_without_a_row(tmp_path):
-    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed (granchain[export])")
-    tables._write_parquet("bead,arrival (s)\n", tmp_path / "waves.parquet")
-    table = parquet.read_table(tmp_path / "waves.parquet")
-    assert (table.num_rows, table.column_names) == (0, ["bead", "arrival (s)"])
-    assert {str(kind) for kind in table.schema.types} == {"double"}
