@@ -2,10 +2,12 @@
 
 import contextlib
 import os
+import re
 import signal
 
 import numpy as np
 import pytest
+from cluster import POLLED
 from processes import wait_until, working_in
 from stock_lammps import MPIEXEC, WHEEL, scene
 from stock_lammps import run as run_stock
@@ -76,39 +78,32 @@ def test_a_job_of_two_ranks_waits_runs_and_ends_bit_for_bit_as_a_run_on_this_mac
 
 
 @pytest.mark.slow
-def test_a_job_near_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_that_was_not(
-    cluster, tmp_path, monkeypatch
+def test_in_an_array_a_case_that_fails_is_told_and_a_task_near_its_time_limit_submits_itself_alone(
+    cluster, tmp_path, capsys
 ):
-    monkeypatch.setattr(job, "STRETCH", 0.005)  # seconds, of some twenty milliseconds
-    directory = written(SHORT, tmp_path / "job", ranks_per_node=1, time="00:01:00", margin=55)
-    # the first job computes no more than one stretch until its timer ends
-    path, pause = directory / job_files.INPUT, directory / "pause"
-    path.write_text(path.read_text().replace("label stretch", f"shell sh {pause.name}\n\nlabel stretch"))
-    pause.write_text(f"[ -f {file_names.RESTART} ] || until grep stop {job_files.FLAG}; do sleep 0.1; done\n")
-    cluster.submit(directory)
-    cluster.wait()
-    assert state_of(directory).state == "done", (directory / job_files.OUTPUT).read_text()
-    assert len(parts(directory)) == 2
-    assert_same(directory, run_stock(SHORT, tmp_path / "whole"))
-
-
-@pytest.mark.slow
-def test_an_array_of_three_cases_of_which_two_may_run_at_once(cluster, tmp_path, capsys):
-    path = tmp_path / "sweep.yaml"
-    case = scene(chains=2, beads=12, kappa=0.1, duration=10.0)
-    path.write_text(strict_yaml.dump({"scene": case.plain(), "vary": {"beads": [12, 13, 14]}}))
-    site = site_file(tmp_path, array_limit=2)
-    assert main(["sweep", str(path), "-o", str(tmp_path / "s"), "--job", "--site", site]) == 0
+    sweep = {"scene": {**SHORT.plain(), "timestep": 0.01}, "vary": {"beads": [12, 13, 31]}}
+    path, directory = tmp_path / "sweep.yaml", tmp_path / "s"
+    path.write_text(strict_yaml.dump(sweep))
+    site = site_file(tmp_path, array_limit=2, time="00:01:00", margin=55)
+    assert main(["sweep", str(path), "-o", str(directory), "--job", "--site", site]) == 0
     assert "`qsub job.sge` there submits one array" in capsys.readouterr().out
-    assert "\n#$ -t 1-3 -tc 2\n" in (tmp_path / "s" / "job.sge").read_text()
-    broken = tmp_path / "s" / "beads=13" / file_names.DATA
-    broken.write_text("12 atoms\n")
-    number = cluster.submit(tmp_path / "s", "-h")
-    waiting = statuses([tmp_path / "s"], cluster_queue())
+    (directory / "beads=13" / file_names.DATA).write_text("12 atoms\n")
+    # the task computes no more than one stretch until its timer ends
+    stopped = directory / "beads=31"
+    path, pause = stopped / job_files.INPUT, stopped / "pause"
+    text = path.read_text().replace("label stretch", f"shell sh {pause.name}\n\nlabel stretch")
+    path.write_text(re.sub("(?m)^(variable look equal) .*", r"\1 1000", text))
+    pause.write_text(f"[ -f {file_names.RESTART} ] || until grep stop {job_files.FLAG}; do sleep 0.1; done\n")
+    number = cluster.submit(directory, "-h")
+    waiting = statuses([directory], cluster_queue())
     assert [(each.state, each.why) for each in waiting] == [("waiting", f"job {number}.{task}") for task in (1, 2, 3)]
     cluster.call("qrls", number)
+    assert wait_until(lambda: state_of(stopped).why.startswith(f"job {int(number) + 1}."), every=POLLED)
+    cluster.call("qalter", "-a", "01010000", int(number) + 1)  # begins when its job has surely ended: now
     cluster.wait()
-    assert [each.state for each in statuses([tmp_path / "s"], cluster_queue())] == ["done", "failed", "done"]
+    assert [each.state for each in statuses([directory], cluster_queue())] == ["done", "failed", "done"]
+    assert len(parts(stopped)) == 2
+    assert_same(stopped, run_stock(RunDirectory(stopped).scene, tmp_path / "whole"))
 
 
 @pytest.mark.slow

@@ -16,29 +16,20 @@ def nobodys_site(tmp_path, monkeypatch):
     monkeypatch.setattr("workflow.runs.size.MOST", Limits(gigabytes=1e-9, hours=1.0))
 
 
-@pytest.fixture
-def scene(tmp_path):
-    path = tmp_path / "scene.yaml"
-    path.write_text(scene_text())
-    return path
-
-
-@pytest.mark.parametrize(("gigabytes", "code"), [("1e-4", 0), ("2e-5", 2)])
+@pytest.mark.parametrize(
+    ("of_site", "of_scene", "code"),
+    [("1e-4", {}, 0), ("2e-5", {}, 2), ("1e-9", {"limits": "{gigabytes: 1e-4}"}, 0)],
+    ids=["enough", "not enough", "the scene's comes first"],
+)
 @pytest.mark.usefixtures("lammps_here")
-def test_a_site_sets_the_limit_where_the_scene_names_none(gigabytes, code, scene, tmp_path, monkeypatch):
-    (tmp_path / "site.yaml").write_text(f"limits: {{gigabytes: {gigabytes}}}\n")
+def test_a_site_sets_the_limit_where_the_scene_names_none(of_site, of_scene, code, tmp_path, monkeypatch):
+    (tmp_path / "site.yaml").write_text(f"limits: {{gigabytes: {of_site}}}\n")
     monkeypatch.setenv(site.VARIABLE, str(tmp_path / "site.yaml"))
-    assert main(["run", str(scene), "-o", str(tmp_path / "out"), "--no-check"]) == code
+    (tmp_path / "scene.yaml").write_text(scene_text(**of_scene))
+    assert main(["run", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "out"), "--no-check"]) == code
 
 
-@pytest.mark.usefixtures("lammps_here")
-def test_the_limit_of_the_scene_comes_before_that_of_the_site(tmp_path, monkeypatch):
-    (tmp_path / "site.yaml").write_text("limits: {gigabytes: 1e-9}\n")
-    monkeypatch.setenv(site.VARIABLE, str(tmp_path / "site.yaml"))
-    path = tmp_path / "scene.yaml"
-    path.write_text(scene_text(limits="{gigabytes: 1e-4}"))
-    assert main(["run", str(path), "-o", str(tmp_path / "out"), "--no-check"]) == 0
-
-
-def test_a_refusal_names_the_file_of_the_site_too(scene, tmp_path, capsys):
-    assert "` in the scene or in ~/.config/granchain/site.yaml" in refusal(["run", scene, "-o", tmp_path / "o"], capsys)
+def test_a_refusal_names_the_file_of_the_site_too(tmp_path, capsys):
+    (tmp_path / "scene.yaml").write_text(scene_text())
+    said = refusal(["run", tmp_path / "scene.yaml", "-o", tmp_path / "o"], capsys)
+    assert "` in the scene or in ~/.config/granchain/site.yaml" in said

@@ -18,6 +18,10 @@ from workflow.plugins.jobs.states import queue_of
 from workflow.runs.files import RECORD
 from workflow.runs.status import MEANING, Queue, Queued, status, statuses
 
+UNDER_WAY = ("running", "waiting")
+AGAIN = "`sbatch job.sbatch` there starts again, as there is no restart"
+LOST = "ERROR: Lost atoms"
+
 
 def with_state(directory, state, *, reason="", ends=3600.0, number="7"):
     at, until = (datetime.fromtimestamp(time.time() + later).astimezone().isoformat() for later in (0.0, ends))
@@ -34,24 +38,28 @@ def test_a_job_on_a_node_runs(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("reported", "state"), [(None, "waiting"), ("running", "waiting"), ("failed", "waiting"), ("done", "done")]
+    ("reported", "reason", "listed", "state", "why"),
+    [
+        (None, "", True, "waiting", "job 8"),
+        ("running", "", True, "waiting", "job 8"),
+        ("failed", "", True, "waiting", "job 8"),
+        ("done", "", True, "done", ""),
+        *((state, "", False, "incomplete", f"job 7 is gone: killed, or its node lost; {AGAIN}") for state in UNDER_WAY),
+        *((state, LOST, False, state, f"{LOST}; `sbatch job.sbatch` there ") for state in ("failed", "incomplete")),
+    ],
 )
-def test_a_job_in_the_queue_waits_whatever_it_said_before_unless_it_is_done(reported, state, tmp_path):
+def test_the_state_of_a_job_is_what_its_queue_says_then_what_it_reported(
+    reported, reason, listed, state, why, tmp_path
+):
     directory = with_deck(tmp_path / "x")
     if reported is not None:
-        with_state(directory, reported)
-    assert status(directory, alps(Queued("8", True, directory.resolve()))).state == state
+        with_state(directory, reported, reason=reason)
+    found = status(directory, alps(*[Queued("8", True, directory.resolve())] * listed))
+    assert found.state == state
+    assert found.why.startswith(why)
 
 
-@pytest.mark.parametrize("state", ["running", "waiting"])
-def test_a_job_that_its_cluster_does_not_know_is_incomplete_and_goes_on_with_sbatch(state, tmp_path):
-    found = status(with_state(with_deck(tmp_path / "x"), state), alps())
-    assert found.state == "incomplete"
-    again = "`sbatch job.sbatch` there starts again, as there is no restart"
-    assert found.why == f"job 7 is gone: killed, or its node lost; {again}"
-
-
-@pytest.mark.parametrize("state", ["running", "waiting"])
+@pytest.mark.parametrize("state", UNDER_WAY)
 @pytest.mark.parametrize("queue", [None, Queue("elsewhere")], ids=["no Slurm", "another cluster's"])
 def test_where_its_queue_cannot_be_asked_a_job_is_what_it_said_last(state, queue, tmp_path):
     found = status(with_state(with_deck(tmp_path / "x"), state), queue)
@@ -60,26 +68,11 @@ def test_where_its_queue_cannot_be_asked_a_job_is_what_it_said_last(state, queue
     assert found.why.endswith(f"as reported on {datetime.fromisoformat(at):%Y-%m-%d %H:%M} by n12")
 
 
-def test_a_job_of_an_earlier_version_is_done_if_all_frames_are_there(tmp_path):
-    directory = with_frames(with_deck(tmp_path / "x"), STEPS // 10)
-    (directory / job_files.STATE).write_text(f"state done\nstep {STEPS}\nsteps {STEPS}\njob 7\n")
-    assert status(directory, alps()).state == "done"
-    with_frames(directory, STEPS // 20)
-    assert status(directory, alps()).why == "job.state cannot be read; `sbatch job.sbatch` beside cases.txt tries again"
-
-
 def test_a_job_past_its_time_limit_is_incomplete_even_where_its_queue_cannot_be_asked(tmp_path):
     assert status(with_state(with_deck(tmp_path / "y"), "running", ends=-60.0)).state == "running"  # it may still end
     found = status(with_state(with_deck(tmp_path / "x"), "running", ends=-3600.0))
     assert found.state == "incomplete"
     assert "past its time limit" in found.why
-
-
-@pytest.mark.parametrize("state", ["failed", "incomplete"])
-def test_why_a_job_ended_is_told_with_what_to_do(state, tmp_path):
-    found = status(with_state(with_deck(tmp_path / "x"), state, reason="ERROR: Lost atoms"), alps())
-    assert found.state == state
-    assert found.why.startswith("ERROR: Lost atoms; `sbatch job.sbatch` there ")
 
 
 def test_a_task_of_an_array_works_in_its_line_of_the_list_of_cases(tmp_path):
@@ -115,18 +108,6 @@ def test_a_job_of_another_scheduler_is_submitted_by_its_command(name, submission
     assert status(directory).why == f"`{submission}` beside cases.txt starts it"
     (tmp_path / f"job.{name}").rename(directory / f"job.{name}")
     assert status(directory).why == f"`{submission}` there starts it"
-
-
-@pytest.mark.parametrize("study", [False, True], ids=["deck", "study"])
-def test_a_job_that_was_not_submitted_is_written_and_it_is_said_how_to_submit_it(study, tmp_path):
-    directory = tmp_path / "x"
-    directory.mkdir()
-    if not study:
-        with_deck(directory)
-    for name, text in job.render_job(JobOptions(), CASE.problem()).items():
-        (directory / name).write_text(text)
-    found = status(directory)
-    assert (found.state, found.why) == ("written", "`sbatch job.sbatch` there starts it")
 
 
 def test_a_job_resumes_at_the_step_of_its_restart_or_that_of_its_last_frame_if_it_is_later(tmp_path):

@@ -12,13 +12,7 @@ from workflow.cli import main
 pytest_plugins = ("slurm",)
 
 DESIGN = {
-    "scene": {
-        "name": "small",
-        "beads": 10,
-        "walls": {"right": "rigid"},
-        "kick": {"velocity": 1},
-        "duration": 20,
-    },
+    "scene": {"name": "small", "beads": 10, "walls": {"right": "rigid"}, "kick": {"velocity": 1}, "duration": 20},
     "vary": {"beads": [10, 11]},
     "minimize": "wall_force",
     "manufacture": {"members": 2},
@@ -26,34 +20,22 @@ DESIGN = {
 }
 
 
-def design_file(directory):
-    path = directory / "design.yaml"
-    path.write_text(strict_yaml.dump(DESIGN))
-    return path
-
-
-@needs("design")
-def test_a_design_and_a_fit_are_jobs_on_one_node_that_say_what_they_ask_for(tmp_path, capsys):
-    path = design_file(tmp_path)
-    options = ["--slurm", "--time", "00:10:00", "--partition", "main"]
-    assert main(["design", str(path), "-o", str(tmp_path / "d"), "--jobs", "2", *options]) == 0
-    assert "sbatch job.sbatch" in capsys.readouterr().out
-    text = (tmp_path / "d" / "job.sbatch").read_text()
-    assert " --cpus-per-task=2\n" in text
-    assert " --signal=B:TERM@60\n" in text
-    assert main(["design", str(path), "-o", str(tmp_path / "d"), *options, "--nodes", "2"]) == 2
-    assert "--nodes: 2 given" in capsys.readouterr().err
-
-
 @pytest.mark.slow
 @needs("design", "fit")
-def test_slurm_carries_out_a_design_and_a_fit(slurm, tmp_path):
-    path = design_file(tmp_path)
-    assert main(["design", str(path), "-o", str(tmp_path / "d"), "--slurm", "--time", "00:10:00"]) == 0
-    scene, data = tmp_path / "scene.yaml", measured.table(tmp_path / "data.csv", names=measured.NAMES[:1])
+def test_a_design_and_a_fit_are_jobs_on_one_node_that_slurm_carries_out(slurm, tmp_path, capsys):
+    design, scene, data = (tmp_path / name for name in ("design.yaml", "scene.yaml", "data.csv"))
+    design.write_text(strict_yaml.dump(DESIGN))
     scene.write_text(strict_yaml.dump(measured.scene(modulus=1.05)))
+    measured.table(data, names=measured.NAMES[:1])
+    options = ["--slurm", "--time", "00:10:00", "--jobs", "2"]
+    words = ["design", str(design), "-o", str(tmp_path / "d"), *options]
+    assert main([*words, "--nodes", "2"]) == 2
+    assert "--nodes: 2 given" in capsys.readouterr().err
+    assert main(words) == 0
+    assert "sbatch job.sbatch" in capsys.readouterr().out
+    assert " --cpus-per-task=2\n" in (tmp_path / "d" / "job.sbatch").read_text()
     words = ["fit", str(scene), "--against", str(data), "--free", "material.youngs_modulus", "-o", str(tmp_path / "f")]
-    assert main([*words, "--slurm", "--time", "00:10:00"]) == 0
+    assert main([*words, *options]) == 0
     for name in ("d", "f"):
         slurm.submit(tmp_path / name)
     slurm.wait()

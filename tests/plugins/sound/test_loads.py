@@ -5,19 +5,15 @@ import math
 
 import numpy as np
 import pytest
-from ingredient_scenes import COLUMN, STEEL
+from ingredient_scenes import STEEL
 from plain_scene import scene
 
-from workflow.cli import main
-from workflow.plugins.sound.dispersion import DispersionMeter
 from workflow.plugins.sound.loaded_pulse import LoadedPulseMeter
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
-
-FREE = {"precompression": {"force": 0.3}}
 
 
 def loaded(**changes):
@@ -51,23 +47,6 @@ def test_sound_of_the_steel_beads_at_one_newton_runs_at_369_metres_a_second(tmp_
     assert metres == pytest.approx(369.2, rel=1e-4)
 
 
-def test_linear_contacts_show_the_exact_band_in_a_run(tmp_path):
-    """No contact opens, so that all is linear: modes 2 sin(q / 2) of a free chain, up to the cut-off 2 sqrt(k / m)."""
-    case = loaded(
-        beads=40,
-        contact={"exponent": 1.0},
-        precompression={"force": 3.0},
-        kick={"bead": 10, "velocity": 1.0},
-        duration=60.0,
-        timestep=0.005,
-        output={"every": 0.25},
-    )
-    found = run(case, tmp_path / "run", check=False)
-    seen = DispersionMeter(found.directory.problem).read(found.directory.blocks())
-    assert seen.cell.bands()[0, 1] == pytest.approx(2.0, rel=1e-12)
-    assert abs(seen.measured_bands()[0, 1] - 2.0) < seen.bin
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("force", "beads", "duration", "ratio", "faster"),
@@ -82,19 +61,3 @@ def test_waves_on_a_load_are_faster_than_the_long_wave_theory_says(tmp_path, for
     wave = LoadedPulseMeter(case.problem()).read(RunDirectory(tmp_path / "run").blocks())
     assert wave.force_ratio == pytest.approx(ratio, rel=0.02)
     assert wave.over_theory == pytest.approx(faster, abs=1e-4)
-
-
-@pytest.mark.slow
-def test_analyze_says_what_the_sound_is_and_why_there_is_no_map(tmp_path, capsys):
-    for name, keys, words in (
-        ("free", FREE, ("the speed of sound is c0 = ", "dispersion.csv")),
-        (
-            "column",
-            COLUMN,
-            ("the speed of sound is c0 = ", "there is no dispersion map: beads and their loads do not repeat"),
-        ),
-    ):
-        run(loaded(**keys, beads=30, duration=30.0), tmp_path / name, check=False)
-        assert main(["analyze", str(tmp_path / name), "--no-figures"]) == 0
-        said = capsys.readouterr().out
-        assert all(word in said for word in words), said
