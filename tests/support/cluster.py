@@ -37,6 +37,10 @@ class Cluster(ABC):
     def queue(self) -> list[str]:
         """Jobs and tasks that wait or run."""
 
+    @abstractmethod
+    def end(self) -> None:
+        """End all jobs."""
+
     def wait(self) -> None:
         """Wait until all jobs have ended, also those that jobs submit."""
         assert wait_until(lambda: not self.queue(), every=POLLED), self.queue()

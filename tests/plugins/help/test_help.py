@@ -2,13 +2,11 @@
 
 import contextlib
 import re
-import subprocess
 import sys
 from types import SimpleNamespace
 
 import pytest
 from plug_ins import needs
-from processes import HANGS
 
 from lammps_inputs import InputError, Scene
 from workflow import cli
@@ -66,14 +64,6 @@ def test_every_word_that_help_lists_is_explained(kind, capsys):
     assert unexplained == []
 
 
-@pytest.mark.parametrize("word", ["vary", "pilot", "tension", "combine", NETCDF, "--no-check", "steel", "two-chains"])
-def test_a_word_is_explained_in_place_of_a_reference_to_where_it_is(word, capsys):
-    assert main(["help", word]) == 0
-    out = capsys.readouterr().out
-    assert len(out.splitlines()) >= 3
-    assert "granchain help NAME" not in out
-
-
 def near(word):
     """The word without a letter in its middle."""
     half = len(word) // 2
@@ -116,18 +106,3 @@ def test_help_of_a_command_shows_the_file_that_it_takes(name, capsys):
     for line in example_file(sys.modules[vocabulary.kinds()[name]]).splitlines():
         assert line in usage
         assert line in lines
-
-
-def test_help_without_a_word_prints_what_the_program_alone_does(capsys):
-    assert main([]) == 0
-    alone = capsys.readouterr().out
-    assert main(["help"]) == 0
-    assert capsys.readouterr().out == alone
-
-
-def test_the_module_runs_as_the_program_does():
-    done = subprocess.run(
-        [sys.executable, "-m", "workflow", "help", "kapa"], capture_output=True, timeout=HANGS, text=True
-    )
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "did you mean `kappa`" in done.stderr

@@ -11,42 +11,9 @@ def said(capsys, *words):
     return capsys.readouterr().out
 
 
-def test_help_explains_keys_and_commands(capsys):
-    assert "Springs between" in said(capsys, "help", "coupling.rows")
-    assert "Clear distance" in said(capsys, "help", "scene")
-    assert all(f"in {key}:" in said(capsys, "help", "restitution") for key in ("contact", "damping"))
-    assert all(f"in {key}:" in said(capsys, "help", "stiffness") for key in ("contact", "kinds", "coupling"))
-    assert "COMMAND" in said(capsys, "help")
-    with pytest.raises(SystemExit):
-        main(["help", "run"])
-    assert "usage: granchain run" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize(
-    ("words", "explanation"),
-    [
-        ("leading pulse", "first pulse that reaches a bead of a chain"),
-        ("beat length", "beat_length\n"),
-        ("peak velocity", "analysis.json: waves > peak_velocity"),
-        ("contact force", "Force as a formula of s"),
-        ("budget", "analysis.json: budget holds time, energy_input, kinetic"),
-        ("budget.closed", "largest missing over the largest energy_input"),
-        ("notation", "kappa\n      dimensionless coupling stiffness"),
-        ("Static load", "Static load. F_(0,n) is the force in contact n at rest"),
-        ("contact constant", "A = 4/3 E^* sqrt(R^*), 1 / (E^*) = 1 / (E'_1)"),
-        ("steady", "the variation is at most 1%"),
-        ("too short", "no half beat was seen"),
-        ("asymptotic amplitude", "mean over chains and the last half beat"),
-    ],
-)
-def test_help_explains_phrases_keys_of_results_sections_of_the_model_and_terms_of_verdicts(words, explanation, capsys):
-    assert explanation in said(capsys, "help", *words.split())
-
-
-def test_all_meanings_of_a_word_stand_where_they_hold_the_phrase(capsys):
-    text = said(capsys, "help", "Uncertainty").partition("\n  train.")[0]  # both of *error*: a term, and of spectra.csv
-    assert "measured difference from the reference integrator" in text
-    assert "uncertainty of each amplitude" in text
+def test_help_explains_keys_phrases_results_sections_of_the_model_and_terms_of_verdicts(capsys, golden):
+    asked = ("restitution", "tension", "beat length", "peak velocity", "budget.closed", "contact constant", "steady")
+    golden("phrases", "\n".join(f"{words}\n{said(capsys, 'help', *words.split())}" for words in asked))
 
 
 @pytest.mark.parametrize("name", QUANTITIES)

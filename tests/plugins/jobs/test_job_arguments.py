@@ -37,7 +37,7 @@ def test_jobs_ask_their_scheduler_for_what_was_asked_and_for_nothing_else(name, 
         "one task of it": job.render_array(full, ["a", "b", "c"], tasks=[2])[name_of_file],
         "command": job.render_command(plain, "fit", ["granchain", "fit"], cores=6),
     }
-    heads = {kind: re.findall(r"(?m)^#(?:SBATCH|PBS|\$) .*", script) for kind, script in scripts.items()}
+    heads = {kind: re.findall(r"(?m)^(?:#SBATCH|#PBS|#\$|again=).*", script) for kind, script in scripts.items()}
     golden(f"requests-{name}", "\n".join(line for kind, head in heads.items() for line in (f"{kind}:", *head)))
 
 

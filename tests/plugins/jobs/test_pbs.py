@@ -28,24 +28,18 @@ OPTIONS = JobOptions(scheduler="pbs", lmp=str(WHEEL), launcher=f"{MPIEXEC} -n {{
 class Shell:
     """A shell in the environment that PBS gives a job, with a qsub that only records its arguments."""
 
-    def __init__(self, directory, printed="", task=None):
-        self.directory, self.programs, self.task = directory, directory / "programs", task
+    def __init__(self, directory):
+        self.directory, self.programs = directory, directory / "programs"
         self.programs.mkdir(parents=True)
         self.submitted = self.programs / "submitted"
         (self.programs / "nodes").write_text("localhost\n")
-        self.stub("qsub", f'echo "$@" >{self.submitted}; echo "{printed}"')
-
-    def stub(self, program, commands):
-        path = self.programs / program
-        path.write_text(f"#!/bin/sh\n{commands}\n")
-        path.chmod(0o755)
+        (self.programs / "qsub").write_text(f'#!/bin/sh\necho "$@" >{self.submitted}; echo 18.master.site\n')
+        (self.programs / "qsub").chmod(0o755)
 
     def environment(self, number):
-        task = {} if self.task is None else {"PBS_ARRAY_INDEX": str(self.task)}
         return {
             **os.environ,
-            **task,
-            "PBS_JOBID": f"{number}{f'[{self.task}]' if task else ''}.master.site",
+            "PBS_JOBID": f"{number}.master.site",
             "PBS_NODEFILE": str(self.programs / "nodes"),
             "PBS_O_WORKDIR": str(self.directory),
             "PATH": f"{self.programs}:{os.environ['PATH']}",
@@ -79,7 +73,7 @@ SCRIPT = job.render_job(OPTIONS, CASE.problem())["job.pbs"]
 @pytest.mark.slow
 def test_a_job_near_its_limit_submits_the_next_which_ends_bit_for_bit_as_one_that_was_not(tmp_path, monkeypatch):
     monkeypatch.setattr(job, "STRETCH", 0.005)
-    shell = Shell(tmp_path / "job", "18.master.site")
+    shell = Shell(tmp_path / "job")
     place(shell.directory)
     (shell.directory / "job.pbs").write_text(SCRIPT)
     shell.run()
@@ -94,44 +88,9 @@ def test_a_job_near_its_limit_submits_the_next_which_ends_bit_for_bit_as_one_tha
 
 
 @pytest.mark.slow
-def test_a_task_near_its_limit_submits_itself_alone_for_when_its_job_has_surely_ended(tmp_path, monkeypatch):
-    monkeypatch.setattr(job, "STRETCH", 0.005)
-    shell = Shell(tmp_path / "job", "18[].master.site", task=2)
-    place(shell.directory / "b")
-    for file, text in job.render_array(OPTIONS, ["a", "b", "c"]).items():
-        (shell.directory / file).write_text(text)
-    shell.run()
-    assert shell.state(shell.directory / "b") == ("waiting", "18.2", "master")
-    until = re.search(r"until=(\S+)", (shell.directory / "b" / job_files.STATE).read_text())[1]
-    moment = re.sub("[-T:]", "", until[:16]) + "." + until[17:19]
-    assert shell.submitted.read_text() == f"-J 2-3:2 -a {moment} -v granchain_job=2 job.pbs\n"  # no range of one number
-    shell.run(18, granchain_job="2")
-    assert shell.state(shell.directory / "b")[:2] == ("done", "18.2")
-
-
-LISTING = """
-Job id            Name             User              Time Use S Queue
-----------------  ---------------- ----------------  -------- - -----
-16[].master       sweep            someone                  0 B workq
-16[4].master      sweep            someone           00:00:10 R workq
-17.master         R                someone                  0 Q workq
-"""
-
-
-def test_a_job_does_not_compute_where_another_one_runs(tmp_path):
-    shell = Shell(tmp_path / "job")
-    place(shell.directory)
-    (shell.directory / "job.pbs").write_text(SCRIPT)
-    shell.stub("qstat", f"cat <<'END'{LISTING}END")
-    (shell.directory / job_files.STATE).write_text("running job=16.4 cluster=master\n")
-    shell.run()
-    assert (shell.directory / job_files.OUTPUT).read_text() == "granchain: job 16.4 runs here\n"
-
-
-@pytest.mark.slow
 def test_a_job_of_pbs_that_is_deleted_says_so(tmp_path):
     """PBS sends SIGTERM to all processes of a job that is deleted or out of time."""
-    shell = Shell(tmp_path / "job", "18.master.site")
+    shell = Shell(tmp_path / "job")
     place(shell.directory)
     words = ["bash", "-c", SCRIPT.replace("timeout 2 ", "timeout 1000 ")]
     with subprocess.Popen(words, cwd="/", env=shell.environment(17), start_new_session=True) as process:

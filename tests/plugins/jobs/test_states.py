@@ -90,14 +90,6 @@ def test_a_task_of_an_array_works_in_its_line_of_the_list_of_cases(tmp_path):
     assert [one.state for one in statuses([tmp_path], queue)] == ["running", "waiting"]
 
 
-def test_a_task_that_is_gone_goes_on_with_its_array(tmp_path):
-    directory = with_state(with_deck(tmp_path / "x"), "running")
-    (directory / SLURM.script).unlink()
-    assert status(directory, alps()).why.endswith(
-        "`sbatch job.sbatch` beside cases.txt starts again, as there is no restart"
-    )
-
-
 @pytest.mark.parametrize(("name", "submission"), [("pbs", "qsub job.pbs"), ("sge", "qsub job.sge")])
 def test_a_job_of_another_scheduler_is_submitted_by_its_command(name, submission, tmp_path):
     directory = with_deck(tmp_path / "a")

@@ -71,6 +71,16 @@ def test_a_chain_with_free_ends_drifts_and_its_periodic_states_do_not():
     assert floquet.multipliers(solver, state).values.shape == (6,)  # four vibrations, less one pair
 
 
+@pytest.mark.parametrize("beads", [3, 4, 7])
+def test_a_bonded_ring_has_its_exact_spectrum(beads):
+    contact = {"force": "k*s", "k": 0.7, "tension": "allowed"}
+    ring = {"name": "ring", "beads": beads, "periodic": True, "contact": contact, "kick": {"velocity": 1.0}}
+    _, modes = modes_of({**ring, "duration": 20.0})
+    # lengths are in units in which the stiffness of the contacts is 1
+    exact = sorted(2.0 * abs(math.sin(math.pi * j / beads)) for j in range(beads))
+    np.testing.assert_allclose(modes.frequency, exact, rtol=0.0, atol=1e-7)  # of the mean the root of rounding
+
+
 # --- periodic states --------------------------------------------------------------------------------------------------
 
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from plain_scene import scene
 from scipy.linalg import expm
 from small_problems import rigid_problem
 
@@ -132,6 +133,27 @@ def test_a_small_gap_costs_theta_squared_over_two_of_the_energy_a_row():
     rows = np.arange(1, 101)
     # bead n + 1 leaves with v**2 = 1 - theta**2 n / 2, and what is left out is about theta**4 n / 48
     np.testing.assert_allclose(found.striker[first] ** 2, 1.0 - theta**2 * rows / 2.0, rtol=0, atol=1e-11)
+
+
+def of_gaps(gaps, **changes):
+    """Collisions of one chain with a gap for each contact."""
+    return run(scene(chains=1, coupling=None, **{"beads": 6, "gap": gaps, "duration": 8.0, **changes}).problem())
+
+
+def test_beads_collide_after_the_sums_of_their_gaps():
+    gaps = (0.3, 0.1, 0.2, 0.5, 0.4)
+    found = of_gaps(gaps)
+    np.testing.assert_allclose(found.time, np.cumsum(gaps), rtol=1e-15)
+    np.testing.assert_array_equal(found.row, [1, 2, 3, 4, 5])
+    assert np.all(found.striker == 1.0)
+
+
+def test_beads_kicked_towards_each_other_exchange_velocities_where_their_paths_cross():
+    kicks = [{"bead": 1, "velocity": 1.0}, {"bead": 3, "velocity": -0.5}]
+    found = of_gaps([0.3, 0.5], beads=3, kick=kicks, duration=1.0)
+    # bead 1 meets bead 2 at 0.3; bead 2, then of velocity 1, is 0.35 from bead 3, which approaches with 0.5
+    np.testing.assert_allclose(found.time[:2], [0.3, 0.3 + 0.35 / 1.5], rtol=1e-15)
+    np.testing.assert_allclose(found.impulse[:2], [1.0, 1.5], rtol=1e-15)
 
 
 # --- an independent integration ---------------------------------------------------------------------------------------

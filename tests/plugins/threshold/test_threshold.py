@@ -2,17 +2,13 @@
 
 import csv
 import math
-import shlex
 
 import pytest
 from figure_table import assert_shown
 
-import granchain
-from lammps_inputs import InputError, strict_yaml
+from lammps_inputs import strict_yaml
 from workflow.cli import main
-from workflow.plugins.threshold import study
 from workflow.plugins.threshold.crossings import SearchedField, crossings, wanted
-from workflow.quantities.evaluate import scene_to_run
 from workflow.study_kit import directory as studying
 
 pytestmark = pytest.mark.usefixtures("pool_here")
@@ -75,13 +71,7 @@ def test_without_two_sides_there_is_no_bracket_and_no_search_beyond_the_scan(fun
     assert (found, sorted(known)) == ([], LINEAR.scan())
 
 
-CHAIN = {
-    "name": "chain",
-    "chains": 1,
-    "beads": 24,
-    "kick": {"velocity": 1.0},
-    "until_bead": 20,
-}
+CHAIN = {"name": "chain", "chains": 1, "beads": 24, "kick": {"velocity": 1.0}, "until_bead": 20}
 """One chain: times are in proportion to the kick's velocity to the power -1/5 (contacts of exponent 3/2)."""
 
 
@@ -147,9 +137,7 @@ NINE = ",".join(map(str, range(20, 29)))
     [
         ("crossing", []),
         ("curve", ["--over", "beads=24,25"]),
-        ("no-crossing", ["--where", "mass=100", "--over", "beads=24,25"]),
         ("no-crossing-map", ["--where", "mass=100", "--over", f"beads={NINE}"]),
-        ("undefined", ["--where", "agree_1=3"]),
     ],
 )
 def test_the_figure_marks_the_value_and_the_crossing_or_without_one_what_was_computed(
@@ -170,13 +158,6 @@ def test_values_of_a_second_field_are_read_as_those_of_a_scene_lists_too(tmp_pat
     assert [one["over"] for one in found] == ["2", "1.0"]
 
 
-def test_the_reason_for_no_threshold_is_that_of_the_same_value_of_the_second_field(tmp_path, capsys):
-    asked(tmp_path, *BY_MASS, "--where", "agree_1=3", "--over", "beads=24.5,24", scene=STRUCK)
-    refused, undefined = capsys.readouterr().out.splitlines()[:2]
-    assert refused.endswith("chain.yaml: beads: should be a whole number, 24.5 given)")
-    assert undefined.endswith("at beads = 24 (`granchain help agree_1` says when)")
-
-
 @pytest.mark.parametrize(
     ("where", "says"),
     [
@@ -191,25 +172,3 @@ def test_the_reason_for_no_threshold_is_that_of_the_same_value_of_the_second_fie
 def test_no_threshold_is_one_line_and_exit_code_1(where, says, tmp_path, capsys):
     assert asked(tmp_path, *BY_MASS, "--where", where, scene=STRUCK) == (1, [])
     assert says in capsys.readouterr().out.splitlines()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("example", study.EXAMPLES)
-def test_the_examples_of_its_help_find_thresholds(example, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert main(shlex.split(example)) == 0
-    table = tmp_path / shlex.split(example)[-1] / "threshold.csv"
-    found = list(csv.DictReader(table.read_text().splitlines()))
-    assert [one["over"] for one in found] == (["2", "3", "4"] if "--over" in example else [""])
-    assert all(0.02 < float(one["place"]) < 0.5 for one in found)
-
-
-def test_a_quantity_at_a_bead_that_there_is_not_is_refused():
-    with pytest.raises(InputError, match="speed@25: the chains have 24 beads"):
-        scene_to_run(CHAIN, ("speed@25",), "chain")
-
-
-def test_no_quantity_is_refused_by_the_function(tmp_path):
-    with pytest.raises(InputError, match=r"^where: 0 entries given"):
-        granchain.threshold(CHAIN, {}, {}, tmp_path / "new")
-    assert not list(tmp_path.iterdir())
