@@ -163,8 +163,6 @@ def test_both_decks_move_alike_and_nothing_is_written_beside_the_deck(column: tu
     [
         ("in.three-grains", {8: "not on straight lines", 9: "not on straight lines", 10: "not on straight lines"}),
         ("in.pour", {11: "jkr", 17: "no such fix"}),
-        ("in.beam", {14: "no such fix", 18: "is no command", 19: "is no command"}),
-        ("in.flop", {22: "no such springs", 24: "is no command", 25: "is no command"}),
     ],
 )
 def test_what_is_no_chain_is_refused_line_by_line(name: str, lines: dict[int, str]) -> None:

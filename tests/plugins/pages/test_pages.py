@@ -19,8 +19,7 @@ from analysis import motion
 from analysis.figures.panels import shown_chains
 from analysis.tracking.leading_waves import with_speeds
 from analysis.trajectory import Trajectory
-from lammps_inputs import Kick, Material, Output
-from lammps_inputs.ingredients.unequal import BeadKind, radii
+from lammps_inputs import Kick, Material
 from lammps_inputs.laws.in_time import half_sine
 from lammps_inputs.loads import Load
 from lammps_inputs.units import Label
@@ -29,7 +28,6 @@ from workflow.measures.forces.measurement import ForceMeasurement
 from workflow.measures.forces.readings import Readings
 from workflow.plugins.pages import run_page, sweep_page
 from workflow.plugins.pages.downsample import thinned, units_of
-from workflow.plugins.pages.write import _left_out
 from workflow.quantities.columns import QUANTITIES
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep.collect import SweepTable
@@ -98,18 +96,10 @@ def gauges_and_pushes():
     return column(*run_page.forces(pushed, part, measured, Range1d(0, 1), units_of(problem, part)))
 
 
-def beads_of_two_sizes():
-    kinds = {"a": BeadKind(radius=1.0), "b": BeadKind(radius=0.5)}
-    unlike = scene(chains=1, beads=6, kick=(Kick(velocity=0.5),), duration=2.0, kinds=kinds, pattern=("a", "b"))
-    return page_by_hand(unlike.problem(), [0], radius=radii(unlike.setting))
-
-
 BY_HAND = {
     "three-chains-si": three_chains,
     "another-pulse-leads": another_pulse_leads,
     "gauges-and-pushes": gauges_and_pushes,
-    "beads-of-two-sizes": beads_of_two_sizes,
-    "recorded": lambda: page_by_hand(hit(duration=2.0, output=Output(every=0.1, beads=(1, 2, 6))), [0, 1]),
 }
 
 # --- runs of the reference --------------------------------------------------------------------------------------------
@@ -246,28 +236,6 @@ def test_what_a_window_has_left_does_not_make_frames_fewer():
     assert (part.bead_stride, part.frame_stride) == (2, 1)
     assert np.isnan(part.velocity[:, :, :150]).all()
     assert np.array_equal(part.velocity[0, :, 150:182], run.velocity[:, 0, ::2])
-
-
-def test_a_page_says_how_far_apart_frames_are_that_cannot_follow_a_pulse(golden):
-    said = []
-    for material in (None, STEEL):
-        problem = hit(duration=4.8, material=material)
-        for stride in (1, 3, 8):
-            most = -(-(problem.frames + 1) * 12 // stride)
-            part = thinned(problem, [run_by_hand(problem)], [0, 1], most_numbers=most)
-            said.append(f"every {stride}: {' '.join(_left_out(problem, part))}")
-    golden("left-out", "\n".join(said))
-
-
-def test_forces_of_rounding_and_of_rigid_beads_have_no_bars():
-    problem = hit(duration=2.0)
-    rounding = np.zeros((problem.frames + 1, 2, 6))
-    rounding[:, :, 0] = 1e-12
-    frames = replace(run_by_hand(problem), displacement=rounding)
-    part = thinned(problem, [frames], [0, 1])
-    assert 0.0 < np.nanmax(part.force) < 1e-17
-    assert "contact forces" not in page_table(run_page.layout(problem, part, None, [1]))
-    assert np.isnan(thinned(problem, [frames], [0, 1], deforms=False).force).all()
 
 
 def test_energies_of_the_beads_add_up_and_resonators_are_those_of_the_run(page):

@@ -12,10 +12,6 @@ from analysis.trajectory import joined
 from workflow.plugins.rigid.engine import blocks, run, sample
 
 
-def final(problem):
-    return joined(blocks(run(problem))).velocity[-1]
-
-
 def test_both_chains_at_once_carry_the_pulse_on_without_loss():
     found = run(rigid_problem(kicks=[(1, 1, 1.0), (2, 1, 1.0)], beads=50, gap=0.7))
     assert np.array_equal(found.row, np.repeat(np.arange(1, 50), 2))

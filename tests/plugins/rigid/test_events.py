@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from analysis.quantity import csv_of, declared
-from lammps_inputs import InputError
 from lammps_inputs.units import make_scale
 from workflow.plugins.rigid import events
 from workflow.plugins.rigid.events import Collisions
@@ -32,18 +31,3 @@ def test_a_table_is_in_the_units_of_the_scene():
     assert head == "time (s),chain,row,striker (m/s),target (m/s),rounding"
     assert csv_of(written, make_scale(1.0, 1.0, 1.0, si=False)).startswith("time,chain,row,striker,target,rounding\n")
     assert [float(number) for number in line.split(",")] == [2.0 * SI.time, 1.0, 3.0, 0.5 * 0.7, 0.25 * 0.7, 0.0]
-
-
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("a,b\n1,2\n", "its columns should be time"),
-        ("time,chain,row,striker,target\n1,x\n", "not a table"),
-        (None, "cannot be read"),
-    ],
-)
-def test_another_table_is_refused(text, says, tmp_path):
-    if text is not None:
-        (tmp_path / "events.csv").write_text(text)
-    with pytest.raises(InputError, match=says):
-        events.from_csv(tmp_path / "events.csv", SI)

@@ -27,12 +27,6 @@ def test_first_and_later_contacts_are_told_apart():
     assert found.contacts.tolist() == [[2, 1]]
 
 
-def test_impulses_are_those_of_the_mirrored_run():
-    keys = {"chains": 2, "beads": 8, "kappa": 0.3, "gap": 0.4, "duration": 20.0}
-    expected, found = impulses(**keys), impulses(kicks=((1, 8, -1.0),), **keys)
-    np.testing.assert_allclose(found.first[:, ::-1], expected.first, rtol=0, atol=1e-12)
-
-
 def test_what_was_never_struck_has_no_impulse_and_no_time():
     found = impulses(beads=5, duration=2.5)
     assert found.contacts[0].tolist() in ([1, 1, 0, 0], [1, 0, 0, 0])

@@ -1,15 +1,18 @@
 """Where a quantity crosses a value: brackets of known functions, exact cases, resumption, and what has no threshold."""
 
 import csv
+import itertools
 import math
 
 import pytest
 from figure_table import assert_shown
+from pool_here import answers
 
 from lammps_inputs import strict_yaml
 from workflow.cli import main
 from workflow.plugins.threshold.crossings import SearchedField, crossings, wanted
 from workflow.study_kit import directory as studying
+from workflow.workers.pool import Pool
 
 pytestmark = pytest.mark.usefixtures("pool_here")
 
@@ -172,3 +175,27 @@ def test_values_of_a_second_field_are_read_as_those_of_a_scene_lists_too(tmp_pat
 def test_no_threshold_is_one_line_and_exit_code_1(where, says, tmp_path, capsys):
     assert asked(tmp_path, *BY_MASS, "--where", where, scene=STRUCK) == (1, [])
     assert says in capsys.readouterr().out.splitlines()
+
+
+@pytest.mark.usefixtures("drawn")
+def test_a_search_that_was_interrupted_keeps_what_it_computed_and_ends_as_one_that_was_not(
+    tmp_path, monkeypatch, capsys
+):
+    def interrupted(pool, tasks):
+        yield from itertools.islice(answers(pool, tasks), 2)
+        raise KeyboardInterrupt
+
+    (tmp_path / "s.yaml").write_text(strict_yaml.dump(STRUCK))
+    words = ["threshold", str(tmp_path / "s.yaml"), *BY_MASS, "-o"]
+    with monkeypatch.context() as patch:
+        patch.setattr(Pool, "answers", interrupted)
+        assert main([*words, str(tmp_path / "cut")]) == 130
+    assert "the same command resumes" in capsys.readouterr().out
+    cache = tmp_path / "cut" / "evaluations.jsonl"
+    kept = cache.read_text()
+    assert len(kept.splitlines()) == 2
+    assert main([*words, str(tmp_path / "cut")]) == main([*words, str(tmp_path / "whole")]) == 0
+    assert cache.read_text().startswith(kept)
+    tables = [path.name for path in (tmp_path / "whole").glob("*.csv")]
+    assert len(tables) == 2
+    assert all((tmp_path / "cut" / name).read_text() == (tmp_path / "whole" / name).read_text() for name in tables)

@@ -52,20 +52,6 @@ def test_the_step_of_the_scene_is_among_those_of_lammps_and_no_more_ranks_than_c
     assert all(1 <= count <= mpi.cores() for count in ranks)
 
 
-@pytest.mark.parametrize(
-    ("changes", "there"),
-    [
-        ({"beads": 100}, True),
-        ({"beads": 60}, False),
-        ({"beads": 100, "recorded": (1, 5)}, False),
-        ({"beads": 100, "kicks": ((1, 70, 1.0),)}, False),
-        ({"beads": 100, "kicks": ((1, 2, -1.0),)}, False),
-    ],
-)
-def test_windows_of_lammps_are_measured_where_a_scene_may_have_one(changes, there):
-    assert bool(of_method(choices.settings(problem(**changes)), "LAMMPS window")) is there
-
-
 OTHERS = {
     "plain": {},
     "dashpots": {"damping": {"contact": 0.01}},
