@@ -1,5 +1,6 @@
 """OVITO and VMD: one file each with beads at their radii, chains side by side, springs as bonds and velocities."""
 
+import os
 import re
 import subprocess
 
@@ -8,6 +9,24 @@ import pytest
 from processes import HANGS
 
 import granchain
+
+OVITO_PYTHON = os.environ.get("OVITO_PYTHON")
+
+READ = """
+import sys
+import numpy as np
+from ovito.io import import_file
+
+file = import_file(sys.argv[1])
+frame = file.compute(int(sys.argv[2]))
+particles = frame.particles
+np.savez(
+    sys.argv[3],
+    frames=file.num_frames, time=frame.attributes["Time"], x=particles["Position"], v=particles["Velocity"],
+    radius=particles["Radius"], bonds=particles.bonds.topology, bead=particles["Bead"],
+    types=[kind.name for kind in particles["Particle Type"].types], type=particles["Particle Type"],
+)
+"""
 
 SPRINGS = [[row, row + 12] for row in range(2, 9)]
 """DrawnAtoms, from 0, that the springs in rows 3 to 9 of two chains of 12 beads tie."""
@@ -53,6 +72,24 @@ def test_beads_have_their_relative_radii_and_resonators_are_small(run_of, tmp_pa
     universe = granchain.universe(run)
     assert len(diameter) == len(universe.atoms)
     assert sorted(bonds.tolist()) == sorted(universe.bonds.indices.tolist())
+
+
+@pytest.mark.skipif(OVITO_PYTHON is None, reason="OVITO_PYTHON names no Python that has OVITO")
+def test_ovito_maps_every_property_of_the_file_itself(run_of, tmp_path):
+    run = run_of("coupled")
+    [path] = granchain.export(run, "ovito", tmp_path)
+    subprocess.run([OVITO_PYTHON, "-c", READ, path, "50", tmp_path / "seen.npz"], check=True, timeout=HANGS)
+    seen = np.load(tmp_path / "seen.npz")
+    x, v, apart = expected(run, 50)
+    assert seen["frames"] == run.trajectory.frames
+    assert seen["time"] == pytest.approx(run.trajectory.time[50])
+    np.testing.assert_allclose(seen["x"][:, 0] - seen["x"][0, 0], x - x[0], atol=1e-6 * x.max())
+    np.testing.assert_allclose(seen["x"][12:, 1] - seen["x"][:12, 1], apart)
+    np.testing.assert_allclose(seen["v"][:, 0], v, atol=1e-7)
+    assert np.all(seen["radius"] == run.directory.problem.layout.diameter / 2.0)
+    assert seen["bonds"].tolist() == SPRINGS
+    assert seen["bead"].tolist() == [*range(1, 13)] * 2
+    assert seen["types"][seen["type"]].tolist() == ["chain 1"] * 12 + ["chain 2"] * 12
 
 
 STUBS = """

@@ -2,12 +2,11 @@
 
 import contextlib
 import os
-import re
 import signal
 
 import numpy as np
 import pytest
-from cluster import POLLED
+from cluster import POLLED, stop_after_a_stretch
 from processes import wait_until, working_in
 from stock_lammps import MPIEXEC, WHEEL, scene
 from stock_lammps import run as run_stock
@@ -78,14 +77,6 @@ def written(name, case, directory, **options):
     return directory
 
 
-def wait_for_the_limit(directory):
-    """Let the first job of a deck compute no more than one stretch until it is told that its time limit is near."""
-    path, pause = directory / job_files.INPUT, directory / "pause"
-    text = path.read_text().replace("label stretch", f"shell sh {pause.name}\n\nlabel stretch")
-    path.write_text(re.sub("(?m)^(variable look equal) .*", r"\1 1000", text))
-    pause.write_text(f"[ -f {file_names.RESTART} ] || until grep stop {job_files.FLAG}; do sleep 0.1; done\n")
-
-
 def told(directory):
     return status(directory, cluster_queue())
 
@@ -116,7 +107,7 @@ def test_a_job_of_two_ranks_in_a_directory_whose_name_means_something_ends_bit_f
 def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_that_was_not(cluster, tmp_path):
     case = library.from_plain(DIVERSE, "test")
     directory = written("slurm", case, tmp_path / "job", ranks_per_node=1, time="00:01:00", margin=50)
-    wait_for_the_limit(directory)
+    stop_after_a_stretch(directory)
     cluster.submit(directory)
     cluster.wait()
     assert told(directory).state == "done", (directory / job_files.OUTPUT).read_text()
@@ -134,7 +125,7 @@ def test_in_an_array_a_case_that_fails_is_told_and_a_task_near_its_time_limit_su
     assert main(["sweep", str(path), "-o", str(directory), "--job", "--site", site]) == 0
     (directory / "beads=13" / file_names.DATA).write_text("12 atoms\n")
     stopped = directory / "beads=31"
-    wait_for_the_limit(stopped)
+    stop_after_a_stretch(stopped)
     number = cluster.submit(directory, "-h")
     waiting = statuses([directory], cluster_queue())
     assert [(each.state, each.why) for each in waiting] == [("waiting", f"job {number}.{task}") for task in (1, 2, 3)]

@@ -11,6 +11,7 @@ from datetime import datetime
 
 import numpy as np
 import pytest
+from cluster import stop_after_a_stretch
 from hypothesis import given
 from hypothesis import strategies as st
 from processes import HANGS, wait_until, working_in
@@ -58,25 +59,6 @@ def placed(case, directory, **options):
     for name, text in job.render_job(chosen, case.problem()).items():
         (directory / name).write_text(text)
     return directory
-
-
-BEFORE_RESTART = "before_a_restart"
-
-
-def restart_often(directory, case):
-    """Let a job leave a restart after every tenth of a run, and run an empty script of ours before each."""
-    path, grain = directory / job_files.INPUT, case.problem().steps_between_stops
-    steps, before = case.problem().steps, 'then "jump SELF stretch"\n'
-    text = path.read_text()
-    for pattern, new in (
-        ("^(variable look equal) .*", rf"\1 {steps // 20 // grain * grain}"),
-        (r"^(variable restart_step equal \$\(step)\+.*:", rf"\1+{steps // 10}:"),
-        (before, rf"{before}\nshell sh {BEFORE_RESTART}\n"),
-    ):
-        text, count = re.subn(pattern, new, text, flags=re.MULTILINE)
-        assert count == 1
-    path.write_text(text)
-    (directory / BEFORE_RESTART).write_text("")
 
 
 @contextlib.contextmanager
@@ -140,16 +122,6 @@ def ended(directory):
     return state(directory)[0], state(directory)[-1]
 
 
-def kill_after_a_restart(directory):
-    """Start the script, and kill everything that it started when it has left a restart and comes to the next one."""
-    script, waits = directory / BEFORE_RESTART, directory.with_name("waits")
-    script.write_text(f"[ ! -e {file_names.RESTART} ] || exec sleep 1000 8>{waits}\n")
-    with job_of(directory) as process:
-        assert wait_until(waits.exists, process), ended(directory)
-    assert wait_until(lambda: not working_in(directory))
-    script.write_text("")
-
-
 # --- what a job does --------------------------------------------------------------------------------------------------
 
 
@@ -175,28 +147,25 @@ KINDS = {
         ("few beads", "wheel", 1, False),
     ],
 )
-def test_a_killed_job_or_run_resumes_as_a_job_bit_for_bit(kind, release, ranks, was_a_job, lmp_of, tmp_path):
+def test_a_stopped_job_or_run_resumes_as_a_job_bit_for_bit(kind, release, ranks, was_a_job, lmp_of, tmp_path):
     case, whole = KINDS[kind], tmp_path / "whole"
     whole.mkdir()
     scene_files.write(case, whole)
     subprocess.run([WHEEL, "-in", file_names.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
     launcher = LAUNCHER if release == "wheel" else "/usr/bin/env"
-    options = {"lmp": str(lmp_of(release)), "launcher": launcher, "ranks_per_node": ranks, "checkpoint": 1}
-    directory = placed(case, tmp_path / "job", **options)
-    restart_often(directory, case)
-    kill_after_a_restart(directory)
+    options = {"lmp": str(lmp_of(release)), "launcher": launcher, "ranks_per_node": ranks, "max_jobs": 1}
+    directory, problem = placed(case, tmp_path / "job", **options), case.problem()
+    grain = problem.steps_between_stops
+    stop_after_a_stretch(directory, problem.steps // 3 // grain * grain)
+    stop(directory)
+    assert ended(directory)[0] == "incomplete"
     if not was_a_job:
         for name in (job_files.FRAMES, job_files.STATE, job_files.FLAG):
             (directory / name).unlink()
     go(directory)
     assert ended(directory) == ("done", "")
-    assert_same_frames(directory, whole, case)
-
-
-def assert_same_frames(directory, whole, case):
-    """The frames of a resumed job, in two parts, are those of an uninterrupted run."""
+    found, expected = (joined(blocks(parts(path), problem)) for path in (directory, whole))
     assert len(parts(directory)) == 2
-    found, expected = (joined(blocks(parts(path), case.problem())) for path in (directory, whole))
     np.testing.assert_array_equal(found.time, expected.time)
     np.testing.assert_array_equal(found.displacement, expected.displacement)
     np.testing.assert_array_equal(found.velocity, expected.velocity)

@@ -22,14 +22,14 @@ def no_site(monkeypatch, tmp_path):
 
 
 ALL = {"nodes": 2, "ranks_per_node": 4, "time": "1-12:30:00", "partition": "long", "account": "grains"}
-MORE = {"slurm": {"qos": "high", "constraint": "milan"}, "pbs": {}, "sge": {"parallel_environment": "orte"}}
+MORE = {"slurm": {"qos": "high", "constraint": "milan"}, "sge": {"parallel_environment": "orte"}}
 """Options that all schedulers have, and those of each."""
 
 
 @pytest.mark.parametrize("name", SCHEDULERS)
 def test_jobs_ask_their_scheduler_for_what_was_asked_and_for_nothing_else(name, golden):
     """Slurm and Grid Engine take them in other tests; those of PBS were compared with its manual page."""
-    plain, full = JobOptions(scheduler=name), JobOptions(scheduler=name, array_limit=3, **ALL, **MORE[name])
+    plain, full = JobOptions(scheduler=name), JobOptions(scheduler=name, array_limit=3, **ALL, **MORE.get(name, {}))
     name_of_file = plain.of_scheduler.script
     scripts = {
         "deck": job.render_job(plain, scene(beads=4).problem())[name_of_file],

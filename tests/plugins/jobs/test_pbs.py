@@ -8,6 +8,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from cluster import stop_after_a_stretch
 from processes import HANGS, wait_until
 from stock_lammps import MPIEXEC, WHEEL, scene
 from stock_lammps import run as run_stock
@@ -35,6 +36,10 @@ class Shell:
         (self.programs / "nodes").write_text("localhost\n")
         (self.programs / "qsub").write_text(f'#!/bin/sh\necho "$@" >{self.submitted}; echo 18.master.site\n')
         (self.programs / "qsub").chmod(0o755)
+        scene_files.write(CASE, directory)
+        for name, text in job.render_job(OPTIONS, CASE.problem()).items():
+            (directory / name).write_text(text)
+        stop_after_a_stretch(directory)
 
     def environment(self, number):
         return {
@@ -51,31 +56,15 @@ class Shell:
         with (self.directory / "job.pbs").open() as script:
             subprocess.run(["bash"], cwd="/", env=environment, stdin=script, timeout=HANGS, start_new_session=True)
 
-    def state(self, directory=None):
+    def state(self):
         """State, job and cluster that the job left."""
-        line = ((directory or self.directory) / job_files.STATE).read_text()
+        line = (self.directory / job_files.STATE).read_text()
         return re.match(r"(\w+) job=(\S*) cluster=(\S*) ", line).groups()
 
 
-def place(directory):
-    """A deck of which the first job computes no more than one stretch until its timer ends."""
-    directory.mkdir(exist_ok=True)
-    scene_files.write(CASE, directory)
-    for name, text in job.case_files(CASE.problem()).items():
-        (directory / name).write_text(text.replace("label stretch", "shell sh pause\n\nlabel stretch"))
-    wait = f"[ -f {file_names.RESTART} ] || until grep stop {job_files.FLAG}; do sleep 0.1; done\n"
-    (directory / "pause").write_text(wait)
-
-
-SCRIPT = job.render_job(OPTIONS, CASE.problem())["job.pbs"]
-
-
 @pytest.mark.slow
-def test_a_job_near_its_limit_submits_the_next_which_ends_bit_for_bit_as_one_that_was_not(tmp_path, monkeypatch):
-    monkeypatch.setattr(job, "STRETCH", 0.005)
+def test_a_job_near_its_limit_submits_the_next_which_ends_bit_for_bit_as_one_that_was_not(tmp_path):
     shell = Shell(tmp_path / "job")
-    place(shell.directory)
-    (shell.directory / "job.pbs").write_text(SCRIPT)
     shell.run()
     assert shell.state() == ("waiting", "18", "master")
     assert shell.submitted.read_text() == "-W depend=afterany:17.master.site -v granchain_job=2 job.pbs\n"
@@ -91,8 +80,7 @@ def test_a_job_near_its_limit_submits_the_next_which_ends_bit_for_bit_as_one_tha
 def test_a_job_of_pbs_that_is_deleted_says_so(tmp_path):
     """PBS sends SIGTERM to all processes of a job that is deleted or out of time."""
     shell = Shell(tmp_path / "job")
-    place(shell.directory)
-    words = ["bash", "-c", SCRIPT.replace("timeout 2 ", "timeout 1000 ")]
+    words = ["bash", "-c", (shell.directory / "job.pbs").read_text().replace("timeout 2 ", "timeout 1000 ")]
     with subprocess.Popen(words, cwd="/", env=shell.environment(17), start_new_session=True) as process:
         assert wait_until(lambda: (shell.directory / file_names.DUMP).exists(), process)
         os.killpg(process.pid, signal.SIGTERM)

@@ -216,6 +216,7 @@ def test_decks_of_states_with_foundations_and_resonators_start_on_them():
 # --- the command ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_command_writes_tables_arrays_and_figures(tmp_path, capsys):
     path, out = tmp_path / "scene.yaml", tmp_path / "out"
     path.write_text(json.dumps(FOUR))
