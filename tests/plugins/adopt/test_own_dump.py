@@ -15,6 +15,8 @@ from workflow.plugins.adopt.adopt import Adopted, RefusedDeckError, adopt
 from workflow.runs.run import run
 from workflow.verdicts.validate_against import validate_against
 
+pytestmark = pytest.mark.usefixtures("here")
+
 CHAIN = """
 units si
 atom_style sphere
@@ -107,7 +109,6 @@ def run_lammps(path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("name", CASES)
 def test_the_dump_of_an_adopted_deck_is_the_run(name: str, tmp_path: Path) -> None:
     keys, axis, atoms = CASES[name]
@@ -126,7 +127,6 @@ def test_the_dump_of_an_adopted_deck_is_the_run(name: str, tmp_path: Path) -> No
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("here")
 def test_the_dump_of_another_kick_does_not_pass_and_is_named(tmp_path: Path) -> None:
     read = adopted(deck(tmp_path / "in.mine", TOUCHING))
     other = deck(tmp_path / "in.other", TOUCHING, speed=0.31)
@@ -138,7 +138,6 @@ def test_the_dump_of_another_kick_does_not_pass_and_is_named(tmp_path: Path) -> 
     ]
 
 
-@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("shift", [0.0, 0.005, 0.37 / 3.0])
 def test_contacts_that_overlap_by_rounding_have_no_load_and_keep_their_order(shift: float, tmp_path: Path) -> None:
     read = adopted(deck(tmp_path / "in.mine", [shift - 0.1 + 0.01 * n for n in range(4)]))
@@ -148,7 +147,6 @@ def test_contacts_that_overlap_by_rounding_have_no_load_and_keep_their_order(shi
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("here")
 def test_a_scene_has_frames_in_which_waves_are_seen_however_seldom_the_deck_writes_them(tmp_path: Path) -> None:
     read = adopted(deck(tmp_path / "in.mine", TOUCHING[:4], dump="custom 10000 mine.dump id x vx"))
     # the run of 600 steps is 4 T long, and 12 is the largest divisor of that within 0.1 T
@@ -157,7 +155,6 @@ def test_a_scene_has_frames_in_which_waves_are_seen_however_seldom_the_deck_writ
     assert read.scene.problem().frames == 50
 
 
-@pytest.mark.usefixtures("here")
 def test_the_command_prints_and_stores_the_atom_of_each_bead(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -194,7 +191,6 @@ LAWS = {"pair": "hooke 2000 12.0", "wall": "hooke 2000 12.0", "damping": "veloci
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
@@ -215,7 +211,6 @@ def test_the_wall_and_the_law_that_differ_are_named(changes: dict[str, Any], say
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(("width", "steps", "walls"), [(3.5, 3000, {"left", "right"}), (30.0, 800, {"left"})])
 def test_walls_as_far_as_the_next_bead_are_read_and_those_that_are_not_reached_are_noted(
     width: float, steps: int, walls: set[str], tmp_path: Path
@@ -228,7 +223,6 @@ def test_walls_as_far_as_the_next_bead_are_read_and_those_that_are_not_reached_a
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [

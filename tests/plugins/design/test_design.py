@@ -187,6 +187,12 @@ def test_tables_of_designs_name_units_in_si(tmp_path):
     assert file.load(written(tmp_path)).heading("mass") == "mass"
 
 
+def test_where_nothing_fits_the_reason_is_said(tmp_path, capsys):
+    path = written(tmp_path, where={"mass": {"from": 1000}})
+    assert main(["design", str(path), "-o", str(tmp_path / "d"), "--jobs", "1"]) == 2
+    assert "none of 28 designs keeps the limits" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("variable", "coordinates", "value"),
     [

