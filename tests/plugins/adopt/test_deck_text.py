@@ -1,10 +1,11 @@
-"""Claims about the commands of a user's deck."""
+"""Commands of a user's deck, and the text of the atoms of its chains."""
 
-from pathlib import Path
-
+import numpy as np
 import pytest
 
-from workflow.plugins.adopt.deck_text import MARK, Deck, logical_lines, refusal, words_of
+from lammps_inputs.deck_atoms import DeckAtoms
+from workflow.plugins.adopt.deck_text import logical_lines, refusal, words_of
+from workflow.plugins.adopt.scene_of import atoms_text
 
 
 def test_commands_keep_the_number_of_their_first_line_and_quoted_text_is_one_word() -> None:
@@ -33,18 +34,10 @@ def test_what_no_scene_has_is_refused_and_what_a_chain_needs_is_not(wrong: bool,
     assert [bool(refusal(words_of(command))) for command in commands] == [wrong] * len(commands)
 
 
-def test_the_copy_marks_every_command_and_lacks_those_that_write(tmp_path: Path) -> None:
-    deck = tmp_path / "in.chain"
-    deck.write_text("units lj\ndump 1 all custom ${n} f x\nshell rm -rf .\nrerun dump x\ninclude more\nrun 5\nrun 0\n")
-    (tmp_path / "more").write_text("write_data out\ntimestep 0.1\n")
-    copies = tmp_path / "copies"
-    copies.mkdir()
-    text = Deck(deck).write(copies, tmp_path / "run.lammps").read_text()
-    more = (copies / "1.lammps").read_text()
-    assert [text.count(f'"{MARK} {number}"') + more.count(f'"{MARK} {number}"') for number in range(9)] == [1] * 9
-    for absent in ("shell", "rerun", "write_data", "\ndump"):
-        assert absent not in text + more
-    assert f"include {copies / '1.lammps'}\n" in text
-    assert f"include {tmp_path / 'run.lammps'}\n" in text
-    assert f'"""{MARK} steps 5 -"""' in text
-    assert text.rstrip().endswith("run 0")
+@pytest.mark.parametrize(
+    "atoms", [[1, 2, 3], [30, 29, 28, 2], [1, 3, 5, 7], [5, 1, 2, 3, 9], [8, 1], [58, 55, 52, 1], [4, 11, 2, 1]]
+)
+def test_atoms_are_those_of_their_text(atoms):
+    text = atoms_text(np.array(atoms))
+    assert DeckAtoms(deck="in.mine", axis="z", atoms=(text,), timestep=0.5).numbers.tolist() == [atoms]
+    assert len(text) <= len(",".join(map(str, atoms)))

@@ -220,22 +220,3 @@ def test_walls_as_far_as_the_next_bead_are_read_and_those_that_are_not_reached_a
     read = adopted(tmp_path / "in.walls")
     assert set(read.scene.plain()["walls"]) == walls
     assert bool([note for note in read.notes if "is left out: no bead reaches it" in note]) == (len(walls) == 1)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("old", "new", "says"),
-    [
-        ("create_atoms 1 single 2.5 0 0\n", "", "there is one sphere at the first run"),
-        (
-            "set atom 1 vx 0.97",
-            "fix m all property/global youngsModulus peratomtype 5e9",  # of LIGGGHTS
-            "`material: {youngs_mod",
-        ),
-    ],
-)
-def test_a_refusal_names_what_a_scene_has_instead(old: str, new: str, says: str, tmp_path: Path) -> None:
-    (tmp_path / "in.chain").write_text(WALLED.format(**LAWS).replace(old, new))
-    with pytest.raises(RefusedDeckError) as caught:
-        adopted(tmp_path / "in.chain")
-    assert says in caught.value.lines[0]

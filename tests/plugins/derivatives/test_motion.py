@@ -56,12 +56,3 @@ def test_derivatives_are_those_of_the_computed_motion(kind):
         # rounding in the differences of forces, 1e-7 for beads whose motion is given; far below otherwise
         error = np.max(np.abs(np.stack([motion.dx[number], motion.dv[number]]) - expected))
         assert error < 3e-7 * np.max(np.abs(expected)), name
-
-
-def test_recorded_beads_alone_are_kept():
-    scene = resolved({**SMOOTH["coupled"], "output": {"beads": [2, 5]}})
-    few = granchain.load(scene).problem()
-    every = granchain.load({**scene, "output": {**scene["output"], "beads": "all"}}).problem()
-    sides = [sides_of(scene, "coupling.stiffness")]
-    motion, complete = (derivatives_of_motion(problem, sides, 4) for problem in (few, every))
-    assert np.array_equal(motion.dv, complete.dv[:, :, :, [1, 4]])

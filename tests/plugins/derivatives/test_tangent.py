@@ -84,16 +84,6 @@ def test_conservative_flow_keeps_areas_in_phase_space(scheme):
     assert abs(area() - before) < 400 * 2.0**-52 * max(size, np.max(np.abs(flow.vectors))) ** 2 * 24
 
 
-def test_state_moves_as_without_vectors():
-    problem = problem_of(SMOOTH["coupled"])
-    alone, flow = (tangent.make_flow(problem, count, 0.05) for count in (0, 3))
-    flow.put(random_vectors(flow, 3))
-    alone.advance(0, 100)
-    flow.advance(0, 100)
-    assert np.array_equal(alone.state.x, flow.state.x)
-    assert np.array_equal(alone.state.v, flow.state.v)
-
-
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [

@@ -207,21 +207,6 @@ def test_coordinates_stand_for_values(variable, coordinates, value):
     assert variable.value(coordinates) == value
 
 
-@pytest.mark.parametrize(
-    ("variable", "value", "bound"),
-    [
-        (Variable("a", low=0.01, high=1.0, log=True), 1.0, "to"),
-        (Variable("a", low=0.01, high=1.0, log=True), 0.1, ""),
-        (Variable("a", low=1.0, high=2.0), 1.002, "from"),
-        (Variable("a", low=1.0, high=9.0, integer=True, places=2), [3, 9], "to"),
-        (Variable("a", low=1.0, high=900.0, integer=True), 899, ""),
-        (Variable("a", choices=("x", "y")), "x", ""),
-    ],
-)
-def test_a_number_at_the_end_of_its_range_is_at_a_bound(variable, value, bound):
-    assert variable.bound(value) == bound
-
-
 PAIR = {"chains": 2, "beads": 60, "coupling": {"stiffness": 0.3}, "kick": {"velocity": 1}, "duration": 90}
 OF_WAVES = ("amplitude", "agree_10", "agree_1", "synchronised_1", "beat_length", "energy_share")
 DIMER = {

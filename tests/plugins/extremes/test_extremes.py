@@ -12,8 +12,6 @@ from stock_lammps import scene
 from lammps_inputs import InputError
 from lammps_inputs.laws.spring import Linear
 from workflow.cli import main
-from workflow.engines.lammps import mpi
-from workflow.engines.reference.step_halving import compared_rows
 from workflow.errors import RunError
 from workflow.plugins.extremes import study
 from workflow.plugins.extremes.cells import BASE, ReportRun, changed, grid, scaled
@@ -169,12 +167,6 @@ def test_a_cell_ends_as_it_should(kind, cell):
     assert kind != "RIGHT" or found.error <= found.asked
 
 
-@pytest.mark.slow
-@pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
-def test_two_ranks_are_right():
-    assert study.measure(ReportRun("ranks", "2", SHORT, ranks=2)).kind == "RIGHT"
-
-
 def test_stiff_springs_are_checked_in_every_phase_of_their_swing():
     # 0.4 T are nine swings to a percent, so frames 0.4 apart show no error
     stiff = changed(SHORT, coupling={"stiffness": 1e4}, timestep=2e-4, output={"every": 0.1}, duration=0.5)
@@ -187,13 +179,6 @@ def test_an_accuracy_is_kept_in_every_phase_of_a_swing():
     cell = named("corners", "accuracy, 5 frames a period")
     found = study.measure(replace(cell, scene=changed(cell.scene, beads=8, duration=0.5)))
     assert found.kind == "RIGHT"
-
-
-@pytest.mark.parametrize(("duration", "rows"), [(250.0, None), (600.0, 200)])
-def test_a_window_that_has_stood_at_the_end_for_long_is_judged_by_the_whole_chains(duration, rows):
-    problem = scene(chains=2, beads=200, kappa=0.05, window=64, duration=duration).problem()
-    assert compared_rows(problem) == rows
-    assert compared_rows(replace(problem, rows=problem.rows.near_front(None))) is None
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 import contextlib
 import re
-import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -13,8 +13,8 @@ from workflow import cli
 from workflow.cli import COMMANDS, main
 from workflow.plugins.help import handbook, vocabulary
 from workflow.plugins.help import tool as helping
+from workflow.plugins.help.quantities import explained, manual
 from workflow.quantities.columns import QUANTITIES
-from workflow.study_kit.options import example_file
 from workflow.sweep import fields
 from workflow.verdicts.places import places
 
@@ -96,13 +96,37 @@ def test_every_near_miss_is_explained_or_suggested(kind, capsys):
     assert bare == []
 
 
-@pytest.mark.parametrize("name", ["sweep", pytest.param("design", marks=needs("design"))])
-def test_help_of_a_command_shows_the_file_that_it_takes(name, capsys):
-    with pytest.raises(SystemExit):
-        main([name, "--help"])
-    usage = capsys.readouterr().out
-    assert main(["help", "vary"]) == 0
-    lines = capsys.readouterr().out
-    for line in example_file(sys.modules[vocabulary.kinds()[name]]).splitlines():
-        assert line in usage
-        assert line in lines
+def said(capsys, *words):
+    assert main(list(words)) == 0
+    return capsys.readouterr().out
+
+
+def test_help_explains_keys_phrases_results_sections_of_the_model_and_terms_of_verdicts(capsys, golden):
+    asked = ("restitution", "tension", "beat length", "peak velocity", "budget.closed", "contact constant", "steady")
+    golden("phrases", "\n".join(f"{words}\n{said(capsys, 'help', *words.split())}" for words in asked))
+
+
+@pytest.mark.parametrize("name", QUANTITIES)
+def test_help_says_where_a_quantity_stands(name, capsys):
+    lines = said(capsys, "help", name).splitlines()
+    assert name == lines[0]
+    assert any(
+        line.strip().startswith(QUANTITIES[name].file) and line.endswith(QUANTITIES[name].path[-1]) for line in lines
+    )
+    assert any(line.strip().startswith("granchain collect: column") and name in line for line in lines)
+
+
+PAGE = Path(__file__).parents[3] / "analysis" / "QUANTITIES.md"
+
+
+@needs("rigid", "sound")
+def test_the_manuals_page_is_what_the_types_declare():
+    assert PAGE.read_text(encoding="utf-8") == manual(), (
+        "python -m workflow.plugins.help.quantities > analysis/QUANTITIES.md"
+    )
+
+
+def test_help_says_unit_symbol_meaning_and_every_place_of_a_quantity_also_at_a_bead(golden):
+    golden("quantities", "\n\n".join(explained(name) or "" for name in ("wall_force", "arrival")))
+    assert explained("arrival@30") == explained("arrival")
+    assert [explained(name) for name in ("no_such", "wall_force@30")] == [None] * 2

@@ -1,11 +1,15 @@
-"""``granchain deck --slurm``: what it writes and says, and what jobs ask their scheduler for."""
+"""Options of jobs and a site's file: what is written and said, what jobs ask their scheduler for, limits of runs."""
 
 import re
 
 import pytest
+from bad_scenes import scene_text
+from plug_ins import needs
+from refusals import refusal
 from stock_lammps import scene
 
 from lammps_inputs import file_names
+from lammps_inputs.output import Limits
 from workflow.cli import main
 from workflow.plugins.jobs import job, job_files, site
 from workflow.plugins.jobs.registry import SCHEDULERS
@@ -83,3 +87,51 @@ def test_a_deck_is_not_written_over_a_job_unless_asked_and_then_nothing_of_it_is
     assert main(["deck", "two-chains", "-o", str(directory)]) == 2
     assert main(["deck", "two-chains", "-o", str(directory), "--overwrite"]) == 0
     assert {path.name for path in directory.iterdir()} == {RECORD, file_names.SCENE, file_names.DECK, file_names.DATA}
+
+
+@pytest.fixture
+def small_limits(monkeypatch):
+    """Runs of a byte need a limit of their own."""
+    monkeypatch.setattr("workflow.runs.size.MOST", Limits(gigabytes=1e-9, hours=1.0))
+
+
+@pytest.mark.parametrize(
+    ("of_site", "of_scene", "code"),
+    [("1e-4", {}, 0), ("2e-5", {}, 2), ("1e-9", {"limits": "{gigabytes: 1e-4}"}, 0)],
+    ids=["enough", "not enough", "the scene's comes first"],
+)
+@pytest.mark.usefixtures("lammps_here", "small_limits")
+def test_a_site_sets_the_limit_where_the_scene_names_none(of_site, of_scene, code, tmp_path, monkeypatch):
+    (tmp_path / "site.yaml").write_text(f"limits: {{gigabytes: {of_site}}}\n")
+    monkeypatch.setenv(site.VARIABLE, str(tmp_path / "site.yaml"))
+    (tmp_path / "scene.yaml").write_text(scene_text(**of_scene))
+    assert main(["run", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "out"), "--no-check"]) == code
+
+
+@pytest.mark.usefixtures("small_limits")
+def test_a_refusal_names_the_file_of_the_site_too(tmp_path, capsys):
+    (tmp_path / "scene.yaml").write_text(scene_text())
+    said = refusal(["run", tmp_path / "scene.yaml", "-o", tmp_path / "o"], capsys)
+    assert "` in the scene or in ~/.config/granchain/site.yaml" in said
+
+
+@pytest.mark.parametrize(
+    ("words", "cores"),
+    [
+        pytest.param(["design", "design.yaml", "--jobs", "2"], 2, marks=needs("design")),
+        pytest.param(["fit", "one-chain", "--against", "data.csv", "--free", "kick.velocity"], 1, marks=needs("fit")),
+    ],
+    ids=["design", "fit"],
+)
+def test_a_design_and_a_fit_are_jobs_on_one_node_that_type_the_command(words, cores, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "design.yaml").write_text("scene: two-chains\nvary: {beads: [10, 11]}\nminimize: front\n")
+    (tmp_path / "data.csv").write_text("time,velocity_1_3\n0,0\n1,0.1\n2,0\n")
+    options = ["-o", "out", "--slurm", "--time", "00:10:00"]
+    assert main([*words, *options, "--nodes", "2"]) == 2
+    assert "--nodes: 2 given" in capsys.readouterr().err
+    assert main([*words, *options]) == 0
+    assert "sbatch job.sbatch" in capsys.readouterr().out
+    script = (tmp_path / "out" / "job.sbatch").read_text()
+    assert f" --cpus-per-task={cores}\n" in script
+    assert f" {words[0]} " in script

@@ -11,9 +11,8 @@ from hypothesis import strategies as st
 from run_states import CASE, STEPS, alps, with_deck, with_frames, with_record, with_restart
 
 from lammps_inputs import file_names
-from workflow.plugins.jobs import job, job_files
+from workflow.plugins.jobs import job_files
 from workflow.plugins.jobs.schedulers import SLURM, slurm_jobs
-from workflow.plugins.jobs.site import JobOptions
 from workflow.plugins.jobs.states import queue_of
 from workflow.runs.files import RECORD
 from workflow.runs.status import MEANING, Queue, Queued, status, statuses
@@ -81,18 +80,6 @@ def test_a_task_of_an_array_works_in_its_line_of_the_list_of_cases(tmp_path):
     for name in ("a", "b"):
         with_deck(tmp_path / name)
     assert [one.state for one in statuses([tmp_path], queue)] == ["running", "waiting"]
-
-
-@pytest.mark.parametrize(("name", "submission"), [("pbs", "qsub job.pbs"), ("sge", "qsub job.sge")])
-def test_a_job_of_another_scheduler_is_submitted_by_its_command(name, submission, tmp_path):
-    directory = with_deck(tmp_path / "a")
-    array = job.render_array(JobOptions(scheduler=name), ["a"])
-    files = {**job.case_files(CASE.problem()), **{f"../{file}": text for file, text in array.items()}}
-    for file, text in files.items():
-        (directory / file).write_text(text)
-    assert status(directory).why == f"`{submission}` beside cases.txt starts it"
-    (tmp_path / f"job.{name}").rename(directory / f"job.{name}")
-    assert status(directory).why == f"`{submission}` there starts it"
 
 
 def test_a_job_resumes_at_the_step_of_its_restart_or_that_of_its_last_frame_if_it_is_later(tmp_path):

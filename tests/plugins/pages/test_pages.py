@@ -2,6 +2,7 @@
 
 import functools
 import re
+import sys
 from dataclasses import replace
 from html import unescape
 from types import SimpleNamespace
@@ -10,8 +11,10 @@ import numpy as np
 import pytest
 from bokeh.layouts import column
 from bokeh.models import GlyphRenderer, Range1d
+from global_state import SCENE, assert_state_remains
 from page_table import page_table
 from plug_ins import needs
+from refusals import refusal
 from stock_lammps import scene
 
 import granchain
@@ -26,7 +29,7 @@ from lammps_inputs.units import Label
 from workflow.cli import main
 from workflow.measures.forces.measurement import ForceMeasurement
 from workflow.measures.forces.readings import Readings
-from workflow.plugins.pages import run_page, sweep_page
+from workflow.plugins.pages import function, run_page, sweep_page
 from workflow.plugins.pages.downsample import thinned, units_of
 from workflow.quantities.columns import QUANTITIES
 from workflow.runs.run_directory import RunDirectory
@@ -277,3 +280,35 @@ def test_a_page_says_in_numbers_what_analyze_prints(page, capsys):
     cells = re.findall(r"<td[^>]*>([^<]+)</td>", results)
     assert cells
     assert set(cells) <= {word for line in printed for word in line.split()}
+
+
+def test_pages_without_bokeh_are_refused_in_one_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "bokeh", None)
+    assert "pip install" in refusal(["view", tmp_path], capsys)
+
+
+@pytest.mark.parametrize(
+    ("engine", "says"),
+    [
+        ("reference", "computed by the reference integrator"),
+        pytest.param("lammps", "computed by LAMMPS 2", marks=pytest.mark.slow),
+    ],
+)
+def test_a_page_says_which_engine_computed_the_run_and_states_the_verdict_as_it_is(engine, says, tmp_path):
+    scene = {**SCENE, "beads": 3, "foundation": {"stiffness": 1.0}, "duration": 5.0}
+    text = granchain.run(scene, tmp_path / "run", engine=engine, check=False).view().path.read_text()
+    assert says in text
+    assert "<p>Equipartition does not apply: no" in text
+    assert ("A. P. Thompson" in text) == (engine == "lammps")
+
+
+@pytest.mark.slow
+def test_a_page_is_listed_shown_in_a_notebook_and_leaves_the_state_of_the_process(tmp_path, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")  # bars of progress have threads
+    path = granchain.run(SCENE, tmp_path / "run", engine="reference").directory.path
+    assert_state_remains(lambda: granchain.view(path), path)
+    assert "view.html" in granchain.open(path).directory.job.files
+    shown = granchain.open(path).view()
+    assert "<iframe" in shown._repr_html_()
+    monkeypatch.setattr(function, "MOST_EMBEDDED", 1000)
+    assert shown._repr_html_() == f'<p><a href="{shown.path.resolve().as_uri()}">{shown.path}</a></p>'

@@ -46,16 +46,6 @@ def test_a_run_leaves_the_collisions_and_the_motion_of_the_engine(directory):
     np.testing.assert_allclose(frames.displacement, motion.displacement, rtol=0, atol=np.spacing(64.0))
 
 
-def test_blocks_are_the_motion_at_the_frames_cut():
-    problem = gapped(chains=3, beads=700, duration=60.0).problem()
-    found = collisions.run(problem)
-    parts = list(collisions.blocks(found))
-    whole = collisions.sample(found, problem.every * np.arange(problem.frames + 1.0))
-    assert len(parts) > 3
-    np.testing.assert_array_equal(np.concatenate([part.velocity for part in parts]), whole.velocity)
-    np.testing.assert_array_equal(np.concatenate([part.time for part in parts]), whole.time)
-
-
 def test_a_run_of_rigid_beads_is_analysed_like_any(directory):
     found = analyse(directory, figures=False)
     assert found.complete

@@ -6,16 +6,20 @@ import math
 
 import numpy as np
 import pytest
+from figure_table import assert_shown, at_both_widths
 from small_problems import written_down
+from stock_lammps import scene
 
 from analysis import quantity
+from analysis.figures.drawing import draw
 from analysis.shape.exact_wave import nesterenko
 from analysis.shape.long_waves import LoadedSpeed, sound_speed, speed_over_sound
 from analysis.shape.unit_cell import UnitCell, cell_of
 from analysis.trajectory import Trajectory
-from lammps_inputs import library
+from lammps_inputs import Kick, Material, library
 from lammps_inputs.units import make_scale
 from workflow.plugins.sound.dispersion import DispersionMeter, Map, measured_branches
+from workflow.plugins.sound.figure import dispersion_sheet
 from workflow.runs.run import run
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -172,3 +176,22 @@ def test_the_long_wave_theory_has_its_limits_right():
         system = loaded(precompression={"force": 1e-9}, contact={"exponent": exponent}).system
         speed = LoadedSpeed(system).at(1, np.array([30]), np.array([1.0]))
         assert speed[0] == pytest.approx(nesterenko(exponent).speed, rel=0.02)
+
+
+STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
+
+
+def drawn():
+    """Chain 7 of 12: power at q = pi / 2 and the frequency 2, and a branch of omega = 3 |sin(q / 2)|."""
+    problem = scene(chains=12, beads=10, kick=(Kick(chain=6, velocity=0.01),), material=STEEL).problem()
+    cell = UnitCell(np.array([[1.0]]), np.array([[2.25]]), np.zeros((1, 1, 1)))
+    power, nothing = np.zeros((8, 8)), np.zeros((1, 1))
+    power[4, 6] = 1.0
+    wavenumber = np.arange(-4, 4) * math.pi / 4.0
+    found = Map(7, wavenumber, 0.5 * np.arange(8), power, cell, nothing[0], nothing, nothing)
+    return draw(dispersion_sheet(problem, found))
+
+
+@at_both_widths
+def test_the_dispersion_figure_has_power_and_branches_where_its_axes_say(width, golden):
+    assert_shown("dispersion-si", drawn, width, golden)

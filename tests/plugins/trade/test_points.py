@@ -196,13 +196,6 @@ VERLET = by_law("LAMMPS verlet", 1.6, 2.0, 1e-5)
 REFERENCE = by_law("reference blanes-moan", 0.02, 4.0, 1e-6)
 
 
-def test_each_accuracy_has_one_sentence_with_the_cheapest_engine_and_the_step_of_lammps():
-    words = said([*VERLET, *REFERENCE])
-    step = max(each.setting.value for each in VERLET if each.errors["velocity"] <= 1e-4)
-    assert "reference blanes-moan" in about(1e-4, words)
-    assert f"`timestep: {step:.5g}`" in about(1e-4, words)
-
-
 def test_advice_names_what_is_not_reached_not_known_left_out_or_of_coarser_frames(golden):
     gone = [MeasuredSetting(each.setting, left_out="would take 9 s") for each in VERLET[-3:]]
     exact = found(REFERENCE[-1].setting, 1e-9, 1.0)
