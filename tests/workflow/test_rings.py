@@ -11,7 +11,6 @@ from analysis.conservation import ConservationMeter
 from lammps_inputs import Scene, library
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import StepHalving
-from workflow.plugins.modes.linear import linear_modes
 from workflow.runs.run import run
 from workflow.verdicts.analysis_files import analyse
 
@@ -95,14 +94,6 @@ def test_a_ring_with_two_equal_halves_moves_as_one_of_half_the_length(tmp_path):
     ):
         half, whole = compute(short), compute(long)
         np.testing.assert_allclose(whole, np.concatenate([half, half], axis=-1), rtol=0.0, atol=1e-10)
-
-
-@pytest.mark.parametrize("beads", [3, 4, 7])
-def test_a_bonded_ring_has_its_exact_spectrum(beads):
-    modes = linear_modes(ring(beads=beads, contact=BONDED).problem(), "test")
-    # lengths are in units in which the stiffness of the contacts is 1
-    exact = sorted(2.0 * abs(math.sin(math.pi * j / beads)) for j in range(beads))
-    np.testing.assert_allclose(modes.frequency, exact, rtol=0.0, atol=1e-7)  # of the mean the root of rounding
 
 
 @pytest.mark.slow
