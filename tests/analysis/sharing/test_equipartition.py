@@ -168,6 +168,16 @@ def test_agreement_needs_half_a_beat_to_count():
     assert shared.agrees_from(0.1) is None
 
 
+@pytest.mark.parametrize(("beads", "counts"), [(10, False), (11, True)])
+def test_agreement_counts_that_is_as_long_as_the_last_half_beat(beads, counts):
+    """The last half beat is 10 beads long; from bead 32 on amplitudes differ by a thousandth, over 9 or 10 beads."""
+    deviation = np.concatenate([np.repeat([0.25, -0.25, 0.25], 10), np.full(beads, 5e-4)])
+    amplitude = 0.5 * np.stack([1.0 + deviation, 1.0 - deviation], axis=1)
+    shared = Sharing(0, np.arange(2, 32 + beads), np.zeros(amplitude.shape), amplitude, 0.5)
+    assert np.diff(shared.beats).tolist() == [10.0]
+    assert shared.agrees_from(0.01) == (32 if counts else None)
+
+
 def test_agreement_that_is_lost_again_begins_after_the_loss():
     amplitude = np.full((100, 2), 0.3)
     amplitude[:60, 0] *= 1.0 + 0.05 * np.cos(np.arange(60))
@@ -245,10 +255,37 @@ def test_verdict_knows_since_when_amplitudes_and_arrivals_agree():
     assert found.verdict.since == max(found.shared.agrees_from(0.01), found.shared.in_step_from(0.01))
 
 
-def test_verdict_without_any_place_gives_the_rule_of_thumb():
-    empty = Sharing(0, np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros((0, 2)), 0.5)
-    verdict = verdict_on(empty, problem(2, 0.1), None)
-    assert (verdict.state, verdict.expected.value) == (EquipartitionState.SHORT, pytest.approx(60.0))
+RULE = [  # 10 + 5 / kappa * (chains / 2)**1.6 beads
+    ({}, 60.0),
+    ({"coupling": {"stiffness": 2.0}}, 12.5),
+    ({"coupling": {"stiffness": 0.003}}, 10.0 + 5.0 / 0.003),
+    ({"chains": 20, "kick": {"chain": 20, "velocity": 1.0}}, 10.0 + 50.0 * 10.0**1.6),
+    ({"chains": 3, "coupling": {"stiffness": 0.01}}, 10.0 + 500.0 * 1.5**1.6),
+    ({"coupling": {"stiffness": 2.1}}, None),
+    ({"coupling": {"stiffness": 0.0029}}, None),
+    ({"chains": 21}, None),
+    ({"chains": 3, "coupling": {"stiffness": 0.009}}, None),
+    ({"chains": 3, "coupling": {"stiffness": 0.1, "topology": "ring"}}, None),
+    ({"chains": 3, "kick": {"chain": 2, "velocity": 1.0}}, None),
+    ({"kick": {"bead": 2, "velocity": 1.0}}, None),
+    ({"kick": [{"velocity": 1.0}, {"chain": 2, "velocity": 0.5}]}, None),
+    ({"contact": {"exponent": 2}}, None),
+    ({"disorder": {"mass": 1e-3}}, None),
+    ({"push": {"peak": 0.1, "duration": 3.0, "shape": "half-sine"}}, None),
+    ({"damping": {"contact": 1e-3}}, None),
+    ({"precompression": {"force": 0.1}}, None),
+    ({"gap": 0.1}, None),
+]
+
+
+@pytest.mark.parametrize(("keys", "bead"), RULE)
+def test_verdict_without_any_place_gives_the_rule_of_thumb_where_that_was_measured(keys, bead):
+    plain = {"chains": 2, "beads": 40, "coupling": {"stiffness": 0.1}, "kick": {"velocity": 1.0}, "duration": 1.0}
+    what = of_keys(**{**plain, **keys})
+    empty = Sharing(0, np.zeros(0, dtype=np.int64), *np.zeros((2, 0, what.chains)), 0.5)
+    verdict = verdict_on(empty, what, None)
+    assert verdict.state is EquipartitionState.SHORT
+    assert (None if verdict.expected is None else verdict.expected.value) == (bead and pytest.approx(bead))
 
 
 def test_a_verdict_on_chains_shorter_than_what_is_left_out_names_no_bead():

@@ -61,6 +61,9 @@ def test_every_uncertainty_of_a_survey_covers_the_error_of_the_run(of_frames):
 
 def test_pulses_that_do_not_lead_have_the_error_of_all_velocities(of_frames):
     total = with_run_error(of_frames, ERROR)
+    for before, after in zip(of_frames.pulses, total.pulses, strict=True):
+        added = after.peak_velocity_error - before.peak_velocity_error
+        assert np.all((added == 0.0) == (before.peak_velocity_error == 0.0))  # where it was kicked it is exact
     others = [k for k, pulse in enumerate(of_frames.pulses) if not of_frames.leads(pulse)]
     assert others
     for k in others:
@@ -92,6 +95,12 @@ def test_the_decay_of_a_pulse_has_the_error_of_the_run_in_its_uncertainty():
     assert total.decay.v0_error - of_frames.decay.v0_error > ERROR.amplitude
 
 
+ERRORS_OF_CHARACTERS = [
+    *("arrival_error", "peak_velocity_error", "speed_error", "width_error", "residual_error"),
+    *("speed_excess_error", "variation_error", "momentum_error", "energy_error"),
+]
+
+
 def test_numbers_that_follow_from_passages_have_the_error_of_the_run(of_frames):
     total = with_run_error(of_frames, ERROR)
     for name, part in (("speed", "waves"), ("width", "shape"), ("residual", "shape")):
@@ -106,8 +115,19 @@ def test_numbers_that_follow_from_passages_have_the_error_of_the_run(of_frames):
     assert np.all(added[known & ~behind] == 0.0)
     assert np.all((added[known & behind] > 0.0) & (added[known & behind] <= 2.0 * ERROR.arrival * (1.0 + 1e-9)))
     for before, after in zip(of_frames.characters, total.characters, strict=True):
-        for name in ("speed_error", "width_error", "residual_error", "speed_excess_error", "variation_error"):
-            assert getattr(after, name) > getattr(before, name) or np.isnan(getattr(before, name))
+        added = {name: getattr(after, name) - getattr(before, name) for name in ERRORS_OF_CHARACTERS}
+        off, late = added["peak_velocity_error"] / before.peak_velocity, added["speed_error"] / before.speed
+        expected = {
+            "residual_error": off + ERROR.velocity / before.peak_velocity,
+            "variation_error": (2.0 + before.variation) * off,
+            "energy_error": 2.0 * off * before.energy,
+            "speed_excess_error": (1.0 + before.speed_excess) * (late + off),
+            "momentum_error": 8.0 * ERROR.velocity  # four beads either way
+            + before.momentum * before.speed * added["arrival_error"],
+        }
+        for name in (name for name in expected if np.isfinite(added[name])):
+            assert added[name] == pytest.approx(expected[name], rel=1e-6)
+        assert added["width_error"] > before.width * late or np.isnan(added["width_error"])
 
 
 def test_energies_are_off_by_no_more_than_errors_of_velocities_make_them():
