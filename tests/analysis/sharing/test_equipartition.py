@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from mirror import mirrored_problem
 from synthetic_waves import of_keys, problem, reference, surveyed
 
-from analysis.sharing.equipartition import Sharing, error_of_crossing, runs_exact_waves
+from analysis.sharing.equipartition import Final, Sharing, error_of_crossing, runs_exact_waves
 from analysis.sharing.impulses import measure
 from analysis.sharing.survey import Survey
 from analysis.sharing.verdict import SINGLE_CHAIN, EquipartitionState, expected_n_star, fit_decay, verdict_on
@@ -348,6 +348,12 @@ def test_an_amplitude_that_approaches_a_limit_is_that_within_its_uncertainty(len
     final = of_one_chain(lambda bead: 0.3 * (1.0 + 0.5 * np.exp(-bead / length))).final
     assert abs(final.value - 0.3) <= final.uncertainty + 1e-12
     assert final.uncertainty < 1e-3
+
+
+@pytest.mark.parametrize("last", [3, 6, 10, 11, 12])
+def test_a_limit_is_seen_from_two_stretches_of_five_beads_on(last):
+    final = of_one_chain(lambda bead: np.full(len(bead), 0.3), last).final
+    assert final == (Final(0.3, 0.0) if last > 10 else None)
 
 
 FALLING = {
