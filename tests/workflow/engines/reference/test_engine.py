@@ -14,7 +14,7 @@ from analysis.trajectory import EXCHANGES
 from lammps_inputs import Kick, Output, find, physics
 from workflow.engines.reference.engine import blocks, make_state, passages, run
 from workflow.engines.reference.kernel import FrameArrays
-from workflow.engines.reference.schemes import BLANES_MOAN, VERLET
+from workflow.engines.reference.schemes import BLANES_MOAN, SUZUKI4, VERLET
 
 SCHEMES = [VERLET, BLANES_MOAN]
 
@@ -121,7 +121,11 @@ def pressed():
 
 @pytest.mark.parametrize(
     ("scheme", "steps", "band"),
-    [(VERLET, (8, 12, 16, 24, 32, 48, 64), 0.005), (BLANES_MOAN, (2, 3, 4, 6, 8, 12, 16), 0.03)],
+    [
+        (VERLET, (8, 12, 16, 24, 32, 48, 64), 0.005),
+        (BLANES_MOAN, (2, 3, 4, 6, 8, 12, 16), 0.03),
+        (SUZUKI4, (4, 6, 8, 12, 16, 24, 32), 0.03),
+    ],
     ids=lambda value: getattr(value, "name", ""),
 )
 def test_a_scheme_has_its_order_while_contacts_stay_closed(scheme, steps, band):
