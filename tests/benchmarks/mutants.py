@@ -276,7 +276,7 @@ class Clone:
     def tests_of(self, mutant: Mutant, budget: float) -> list[str]:
         """Tests that may find a mutant, in the order in which to run them; none if no test executes it."""
         exact = self.executing(mutant.path, mutant.line) or self.executing(mutant.path)
-        if mutant.path.startswith(COMPILED):
+        if mutant.path.startswith(COMPILED) and not mutant.path.endswith("_lines.py"):
             exact |= self.executing(ENGINE)
         home, files = f"tests/{Path(mutant.path).parent.as_posix()}/", {test.partition("::")[0] for test in exact}
         rest = {test for test in self.seconds if test.partition("::")[0] in files} - exact
