@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from mirror import mirrored_problem
 from synthetic_waves import of_keys, problem, reference, surveyed
@@ -155,10 +155,12 @@ def test_a_known_beat_is_measured_within_its_scatter(beat, level, decay):
 
 @settings(max_examples=50)
 @given(st.floats(12.0, 40.0), st.floats(20.0, 50.0))
+@example(20.0, 50.0)
 def test_agreement_is_foretold_within_its_uncertainty(beat, decay):
     whole, cut = (beating(0.36, beat, decay, last) for last in (400, 100))
     agreed, expected = whole.agrees_from(0.01), cut.expected_agreement(0.01)
     assert abs(expected.value - agreed) <= expected.uncertainty
+    assert expected.uncertainty <= beat + 0.3 * max(expected.value - 100.0, 0.0)  # half the way on only after two beats
 
 
 def test_agreement_needs_half_a_beat_to_count():
