@@ -472,3 +472,5 @@ def test_mismatch_and_spread_are_off_by_no_more_than_errors_of_amplitudes_and_ar
         for estimate, other in zip(exact, moved, strict=True):
             assert abs(other.value - estimate.value) <= 1.001 * estimate.uncertainty  # to first order
     assert Sharing(0, bead, arrival[:, :1], amplitude[:, :1], 0.5).at_last() is None
+    assert Sharing(0, bead[:0], arrival[:0], amplitude[:0], 0.5).at_last() is None
+    assert [float(estimate.value) for estimate in by_hand().at_last()] == [by_hand().mismatch[0], by_hand().spread[0]]

@@ -72,6 +72,16 @@ def test_a_record_that_ends_before_or_inside_the_pulse_has_no_largest_value_of_i
     assert all(math.isnan(value) for value in of(int(0.9 * begins)).values())
 
 
+def test_energy_at_a_free_end_is_known_when_it_has_been_level_for_as_long_as_it_rose_from_a_quarter_to_half():
+    small = of_keys(beads=20, kick={"velocity": 1.0}, duration=40.0, output={"every": 0.05})
+    run = engine.run(small)
+    there = motion.bead_energy(small.system, run.displacement[..., 18:], run.velocity[..., 18:], 19).sum(axis=(1, 2))
+    quarter, half, level = (np.interp(share * there[-1], there, run.time) for share in (0.25, 0.5, 0.999))
+    known = level + half - quarter
+    seen = [far_end(run[run.time < until]).transmitted_energy for until in (known - 0.2, known + 0.2)]
+    assert [math.isfinite(value) for value in seen] == [False, True]
+
+
 def test_what_is_at_the_far_end_from_the_start_has_not_arrived_there():
     found = far_end(engine.run(problem(beads=20, chains=1, kicks=((1, 19, 1.0),))))
     assert all(math.isnan(getattr(found, name)) and math.isnan(getattr(found, f"{name}_error")) for name in VALUES)
