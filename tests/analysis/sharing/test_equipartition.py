@@ -347,9 +347,12 @@ def of_one_chain(amplitude, last=101) -> Sharing:
 
 @pytest.mark.parametrize("length", [5.0, 10.0, 14.0])
 def test_an_amplitude_that_approaches_a_limit_is_that_within_its_uncertainty(length):
-    final = of_one_chain(lambda bead: 0.3 * (1.0 + 0.5 * np.exp(-bead / length))).final
+    shared = of_one_chain(lambda bead: 0.3 * (1.0 + 0.5 * np.exp(-bead / length)))
+    final = shared.final
     assert abs(final.value - 0.3) <= final.uncertainty + 1e-12
     assert final.uncertainty < 1e-3
+    unsure = replace(shared, amplitude_error=np.full(shared.amplitude.shape, 1e-4)).final
+    assert unsure == Final(final.value, pytest.approx(final.uncertainty + 1e-4, rel=1e-12))
 
 
 @pytest.mark.parametrize("last", [3, 6, 10, 11, 12])

@@ -174,6 +174,12 @@ def test_a_contact_that_yields_opens_at_its_permanent_overlap_and_has_lost_what_
         assert of is law or float(of.force(s, *of)) == pytest.approx(float(gained), rel=1e-7, abs=1e-9)
 
 
+def test_a_contact_that_yielded_under_its_load_goes_on_yielding_from_rest():
+    law = YIELDING["yielded under a load"]
+    assert law.largest == law.rest > law.onset
+    assert float(law.stiffness(0.0, *law)) == pytest.approx(float(law.force(1e-7, *law)) / 1e-7, rel=1e-6)
+
+
 # --- dashpots ---------------------------------------------------------------------------------------------------------
 
 PLACES = np.array([-0.6, -0.2, 0.3, 1.1])

@@ -76,6 +76,10 @@ def test_each_gauge_and_chain_has_an_entry_of_its_own_numbers(problem, static):
         assert set(one) == {*expected, "kind", "name", "chain", "bead", "contacts"}
 
 
+def test_the_figure_has_a_row_for_each_gauge(problem):
+    assert len(measurement_of(readings(problem, 0.0), problem).sheet().rows) == 3
+
+
 def test_gauges_whose_force_frames_do_not_show_are_named(problem):
     seen = readings(problem, 5.0)
     seen.largest[1, 2] = seen.impulse[1, 2] = np.nan
