@@ -367,6 +367,12 @@ def test_what_no_polynomial_follows_is_what_hermites_misses(power, away, between
     np.testing.assert_allclose(found, MARGIN * worst, rtol=0.12, atol=1e-12)
 
 
+def test_a_force_that_begins_between_two_frames_begins_after_the_first_however_far_away_it_seems_to():
+    near, far = unfollowed(1.5, np.array([1.5, 1.9]), np.array([True, True])).T
+    assert np.array_equal(near, far)
+    assert np.all(near > 0.0)
+
+
 def test_where_nothing_begins_nothing_is_missed():
     assert not unfollowed(1.5, np.array([np.inf, 10.0]), np.array([False, False])).any()
 
