@@ -12,7 +12,7 @@ from plain_scene import scene
 
 from analysis.conservation import ConservationMeter
 from analysis.shape.unit_cell import NoDispersionError, cell_of
-from analysis.sharing.energies import FlowMeter
+from analysis.sharing.energies import FlowMeter, has_modes
 from analysis.trajectory import Trajectory
 from lammps_inputs import find, physics
 from lammps_inputs.decks import deck
@@ -138,6 +138,21 @@ def test_modes_have_shares_of_the_action_where_no_contact_is_loaded():
     displacement[0, 0, 3] += 0.01
     loaded = FlowMeter(problem).read([Trajectory(problem, np.array([4.5]), displacement, np.zeros(shape))])
     assert np.isnan(loaded.fastest_mode_action)
+
+
+@pytest.mark.parametrize(
+    ("keys", "known"),
+    [
+        ({"foundation": {"stiffness": CROSSING}}, True),
+        ({"foundation": {"stiffness": 0.3}}, False),
+        ({"foundation": {**MODULATED, "stiffness": {"from": 0.3, "to": 0.6, "rows": [1, 6]}}}, False),
+        ({"foundation": MODULATED, "chains": 1, "coupling": None}, False),
+        ({"foundation": MODULATED, "precompression": {"force": 0.3}}, False),
+    ],
+    ids=["over time", "constant", "along the chains", "one chain", "loaded"],
+)
+def test_modes_are_those_of_rows_that_are_alike_whose_springs_change_in_time(keys, known):
+    assert has_modes(scene(**keys).system) == known
 
 
 def test_sound_on_springs_that_vary_has_no_dispersion():
