@@ -1,7 +1,9 @@
 """The whole reading of a run: waveforms against the exact wave, what is called solitary, memory."""
 
+import math
 import tracemalloc
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,9 +12,9 @@ from hypothesis import strategies as st
 from mirror import mirrored_problem
 from synthetic_waves import exact_waves, of_keys, problem, reference, surveyed
 
-from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.exact_wave import solitary_wave, wave_of
 from analysis.shape.long_waves import sound_speed
-from analysis.shape.waveforms import Passages, WaveformMeter
+from analysis.shape.waveforms import REACH, Passages, WaveformMeter
 from analysis.sharing.is_solitary import Tolerances, characterise
 from analysis.sharing.survey import survey
 from analysis.tracking.peaks import find_peaks
@@ -184,18 +186,52 @@ def test_a_tolerance_decides_what_is_solitary():
     assert surveyed(trajectory).characters[0].fails == ()
 
 
+SHAPE = {
+    "width": 1.6,
+    "width_error": 0.0,
+    "momentum": 1.0,
+    "momentum_error": 0.0,
+    "energy": 1.0,
+    "energy_error": 0.0,
+    "residual": 0.005,
+    "residual_error": 0.0,
+}
+
+
 @pytest.mark.parametrize(("count", "variation"), [(40, 0.1 / 0.55), (6, np.nan)], ids=["ten beads", "five beads"])
 def test_speed_is_compared_with_the_exact_wave_and_the_amplitude_with_itself_over_ten_beads(count, variation):
     """The peak velocity rises by 0.01 a bead, to 0.6 at the last."""
     bead = np.arange(1, count + 1)
     peak = 0.6 - 0.01 * (count - bead)
     pulse = Pulse(1, 1, bead, bead / 0.8, peak, 1.002 * EXACT.speed_at(peak), *np.zeros((3, count)))
-    shape = {"width": 1.6, "momentum": 1.0, "energy": 1.0, "residual": 0.005}
-    shape |= {f"{name}_error": 0.0 for name in shape}
-    found = characterise(pulse, count - 1, shape, problem=problem(1, 0.0))
+    found = characterise(pulse, count - 1, SHAPE, problem=problem(1, 0.0))
     assert found.speed_excess == pytest.approx(0.002, rel=1e-9)
     assert found.variation == pytest.approx(variation, nan_ok=True)
     assert found.fails == (() if np.isnan(variation) else ("amplitude",))
+
+
+@pytest.mark.parametrize("exponent", [1.5, 3.0])
+def test_errors_of_speeds_and_velocities_move_what_follows_from_them_by_as_much_as_is_stated(exponent):
+    """Speeds 20 % above the exact one and velocities that rise, each off by 0.001 the worse way."""
+    bead, error = np.arange(1, 41), np.full(40, 1e-3)
+    peak = 0.6 - 0.01 * (40 - bead)
+    what = of_keys(beads=40, kick={"velocity": 1.0}, contact={"exponent": exponent}, duration=1.0)
+    pulse = Pulse(1, 1, bead, bead / 0.8, peak, 1.2 * wave_of(what.system).speed_at(peak), 0.0 * error, error, error)
+    fast = replace(pulse, speed=pulse.speed + error, peak_velocity=peak - error)
+    steep = replace(pulse, peak_velocity=peak + np.where(bead == 40, error, -error))
+    stated, fast, steep = (characterise(each, 39, SHAPE, problem=what) for each in (pulse, fast, steep))
+    assert fast.speed_excess - stated.speed_excess == pytest.approx(stated.speed_excess_error, rel=5e-3)  # first order
+    moved = steep.variation - stated.variation
+    assert moved <= stated.variation_error == pytest.approx(moved, rel=0.02)  # one velocity in eleven is off upwards
+
+
+def test_a_pulse_is_compared_with_the_exact_wave_where_no_unlike_bead_is_within_the_length_of_that():
+    bead = np.arange(1, 41)
+    pulse = Pulse(1, 1, bead, bead / 0.8, *np.ones((2, 40)), *np.zeros((3, 40)))
+    unlike = {"kinds": {"heavy": {"mass": 2.0}}, "replace": {"bead": 20, "kind": "heavy"}}
+    what = of_keys(beads=40, kick={"velocity": 1.0}, duration=1.0, **unlike)
+    known = [np.isfinite(characterise(pulse, at, SHAPE, problem=what).speed_excess) for at in range(40)]
+    assert bead[~np.array(known)].tolist() == list(range(20 - math.ceil(REACH), 20 + math.ceil(REACH) + 1))
 
 
 READ_BOTH_WAYS = {

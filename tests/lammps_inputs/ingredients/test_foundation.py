@@ -10,7 +10,8 @@ from ingredient_scenes import VANISHING
 from plain_scene import scene
 
 from analysis.conservation import ConservationMeter
-from analysis.sharing.energies import FlowMeter
+from analysis.shape.unit_cell import NoDispersionError, cell_of
+from analysis.sharing.energies import FlowMeter, has_modes
 from analysis.trajectory import Trajectory
 from lammps_inputs import find, physics
 from lammps_inputs.laws.spring import Varying
@@ -98,6 +99,28 @@ def test_modes_have_shares_of_the_action_where_no_contact_is_loaded():
     displacement[0, 0, 3] += 0.01
     loaded = FlowMeter(problem).read([Trajectory(problem, np.array([4.5]), displacement, np.zeros(shape))])
     assert np.isnan(loaded.fastest_mode_action)
+
+
+@pytest.mark.parametrize(
+    ("keys", "known"),
+    [
+        ({"foundation": {"stiffness": CROSSING}}, True),
+        ({"foundation": {"stiffness": 0.3}}, False),
+        ({"foundation": {**MODULATED, "stiffness": {"from": 0.3, "to": 0.6, "rows": [1, 6]}}}, False),
+        ({"foundation": MODULATED, "chains": 1, "coupling": None}, False),
+        ({"foundation": MODULATED, "precompression": {"force": 0.3}}, False),
+    ],
+    ids=["over time", "constant", "along the chains", "one chain", "loaded"],
+)
+def test_modes_are_those_of_rows_that_are_alike_whose_springs_change_in_time(keys, known):
+    assert has_modes(scene(**keys).system) == known
+
+
+def test_sound_on_springs_that_vary_has_no_dispersion():
+    pressed = {"precompression": {"force": 0.3}}
+    assert cell_of(scene(foundation={"stiffness": 0.3}, **pressed).system).beads == 1
+    with pytest.raises(NoDispersionError, match="springs to the ground vary in time"):
+        cell_of(scene(foundation=MODULATED, **pressed).system)
 
 
 def test_the_share_of_the_action_that_stays_is_a_quantity_of_studies():

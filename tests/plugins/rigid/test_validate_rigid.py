@@ -86,6 +86,13 @@ def test_tolerances_are_as_given(pair):
     assert not validate_run(elastic, rigid, {**loose, "velocity": 1e-3}).passed
 
 
+@pytest.mark.parametrize(("beads", "last"), [(10, 10), (11, 6)])
+def test_the_five_beads_that_fly_off_are_left_out_of_chains_of_more_than_ten(beads, last, tmp_path):
+    rigid, elastic = both(small(beads=beads), tmp_path)
+    chains = validate_run(elastic, rigid, {"impulse": 2.0, "share": 1.0}).runs.chains
+    assert [chain.agrees_until for chain in chains] == [last, last]
+
+
 def test_where_contacts_are_short_against_oscillations_rigid_beads_agree(tmp_path):
     gap = THETA_OF_WEAK_SPRINGS / math.sqrt(2.0 * WEAK)
     rigid, elastic = both(small(gap=gap, kappa=WEAK, duration=140.0, every=0.5), tmp_path)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from stock_lammps import scene
+from synthetic_waves import of_keys
 
 from analysis.gauges.gauge import gauges as places_of
 from analysis.quantity import csv_of
@@ -16,6 +17,7 @@ from workflow.measures.energy import EnergyMeasurement
 from workflow.measures.far_end import FarEndMeasurement, Transmitted
 from workflow.measures.forces.measurement import ForceMeasurement
 from workflow.measures.forces.readings import Readings
+from workflow.measures.forces.reflection import Reflection
 from workflow.measures.spectra import SpectrumMeasurement, VelocitySpectra
 from workflow.measures.window import LeftBehind, WindowMeter
 from workflow.screen import print_table
@@ -31,9 +33,9 @@ def problem(request):
     return scene(chains=2, beads=10, kick=KICK, material=Material(**STEEL) if request.param else None).problem()
 
 
-def readings(problem, static):
+def readings(problem, static, **asked):
     """Two frames of three gauges: force 10 * gauge + chain (from 1) above rest in the second."""
-    places = places_of(problem.system, wall=False, contacts=(2, 7), sensors=(5,))
+    places = places_of(problem.system, **(asked or {"wall": False, "contacts": (2, 7), "sensors": (5,)}))
     number = np.add.outer(np.arange(1.0, 3.0), 10.0 * np.arange(1.0, 4.0))  # [chain, gauge]
     rest = np.full((2, 3), static)
     force = np.stack([rest, rest + number])
@@ -74,6 +76,10 @@ def test_each_gauge_and_chain_has_an_entry_of_its_own_numbers(problem, static):
         assert set(one) == {*expected, "kind", "name", "chain", "bead", "contacts"}
 
 
+def test_the_figure_has_a_row_for_each_gauge(problem):
+    assert len(measurement_of(readings(problem, 0.0), problem).sheet().rows) == 3
+
+
 def test_gauges_whose_force_frames_do_not_show_are_named(problem):
     seen = readings(problem, 5.0)
     seen.largest[1, 2] = seen.impulse[1, 2] = np.nan
@@ -91,6 +97,22 @@ def test_the_uncertainty_of_forces_is_printed_where_it_matters(problem):
     _, sentence, *_ = measurement_of(seen, problem).lines()
     assert "the uncertainty of largest forces, by frames " in sentence
     assert "is up to 1.0e-03 of the excess over rest (contact 7, chain 1" in sentence
+
+
+def test_what_each_wall_feels_and_reflects_is_said_of_each_chain():
+    walled = of_keys(chains=2, beads=10, kick={"velocity": 1.0}, duration=1.0, walls={"left": "bead", "right": "flat"})
+    seen = readings(walled, 0.0, wall=True, contacts=(2,))
+    names = [gauge.name for gauge in seen.gauges]
+    ratios = {gauge.side: (0.1 * n, 0.1 * n + 0.01) for n, gauge in enumerate(seen.gauges, 1)}
+    reflected = {side: [Reflection(ratio, 0.001, (1, 2), (3, 4)) for ratio in ratios[side]] for side in ratios}
+    said = [line for line in ForceMeasurement(walled, seen.entries(reflected), seen).lines() if isinstance(line, str)]
+    for place, gauge in enumerate(seen.gauges):
+        for chain in (0, 1) if gauge.kind == "wall" else ():
+            where = f"in chain {chain + 1} the"
+            times = seen.largest[chain, place] / seen.largest[chain, names.index("contact 2")]
+            assert f"{where} largest force at the {gauge.name} is {times:.4f} times that at contact 2" in said
+            bounced = f"{where} {gauge.name} reflects the first pulse with {ratios[gauge.side][chain]:.4f} +- 0.001"
+            assert any(line.startswith(bounced) for line in said)
 
 
 @pytest.mark.parametrize("static", [0.0, 5.0])
@@ -276,4 +298,4 @@ def test_a_window_leaves_behind_the_largest_of_the_velocities_that_beads_had_whe
     pieces += [(4, np.array([0.8, 0.9, 0.9]))]
     assert WindowMeter().result(pieces) == LeftBehind(0.5, 2)
     assert WindowMeter().result(pieces[1:]) == LeftBehind(0.3, 3)
-    assert WindowMeter().result(pieces[:1]) == LeftBehind()
+    assert WindowMeter().result(pieces[:1]) == (0.0, 0)

@@ -83,6 +83,16 @@ def test_frames_do_not_depend_on_how_many_steps_the_compiled_function_takes_at_a
     assert (apart.velocity == together.velocity).all()
 
 
+def test_a_limit_ends_a_run_within_a_frame_of_any_number_of_steps():
+    plain = {"name": "a", "beads": 2, "kick": {"velocity": 1}, "duration": 1.0, "output": {"every": 1.0}}
+    problem = library.from_plain(plain, "a").problem()
+    engine.run(problem)  # compiles
+    before = processor_time.clock()
+    with processor_time.limited(0.1), pytest.raises(processor_time.LimitReachedError):
+        engine.run(problem, steps_per_frame=10**8)
+    assert processor_time.clock() - before < 1.0
+
+
 def test_a_limit_within_another_is_the_shorter_one():
     assert processor_time.left() == math.inf
     with processor_time.limited(5.0):

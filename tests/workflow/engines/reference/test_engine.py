@@ -2,6 +2,7 @@
 
 import functools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,9 +13,10 @@ from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import EXCHANGES
 from lammps_inputs import Kick, Output, find, physics
-from workflow.engines.reference.engine import blocks, make_state, passages, run
+from lammps_inputs.limits.rates import stability_bound
+from workflow.engines.reference.engine import blocks, default_steps_per_frame, make_state, passages, run
 from workflow.engines.reference.kernel import FrameArrays
-from workflow.engines.reference.schemes import BLANES_MOAN, VERLET
+from workflow.engines.reference.schemes import BLANES_MOAN, SUZUKI4, VERLET
 
 SCHEMES = [VERLET, BLANES_MOAN]
 
@@ -121,7 +123,11 @@ def pressed():
 
 @pytest.mark.parametrize(
     ("scheme", "steps", "band"),
-    [(VERLET, (8, 12, 16, 24, 32, 48, 64), 0.005), (BLANES_MOAN, (2, 3, 4, 6, 8, 12, 16), 0.03)],
+    [
+        (VERLET, (8, 12, 16, 24, 32, 48, 64), 0.005),
+        (BLANES_MOAN, (2, 3, 4, 6, 8, 12, 16), 0.03),
+        (SUZUKI4, (4, 6, 8, 12, 16, 24, 32), 0.03),
+    ],
     ids=lambda value: getattr(value, "name", ""),
 )
 def test_a_scheme_has_its_order_while_contacts_stay_closed(scheme, steps, band):
@@ -131,6 +137,13 @@ def test_a_scheme_has_its_order_while_contacts_stay_closed(scheme, steps, band):
     steps = np.array(steps)
     error = [np.abs(integrated(pressed(), like, scheme, 0.5 / n, n)[1] - exact).max() for n in steps]
     assert order(0.5 / steps, error) == pytest.approx(scheme.order, abs=band)
+
+
+@pytest.mark.parametrize(("share", "steps"), [(0.01, 2), (1.0, 2), (1.01, 4), (7.0, 14), (7.01, 16)])
+def test_steps_are_an_even_number_that_are_a_fifteenth_of_the_stability_bound_long_or_shorter(share, steps):
+    """Frames are so many times two such steps apart."""
+    apart = share * 2.0 / 15.0 * stability_bound(problem().system)
+    assert default_steps_per_frame(replace(problem(), timestep=apart, steps_per_frame=1)) == steps
 
 
 @pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
