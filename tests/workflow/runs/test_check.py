@@ -3,28 +3,22 @@
 import json
 import re
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from small_problems import problem
 from stock_lammps import scene
 
-from analysis.compare.difference import DeviationPlace, errors_of
+from analysis.compare.difference import errors_of
 from analysis.trajectory import joined
-from lammps_inputs import Kick, Material, library, strict_yaml
+from lammps_inputs import library, strict_yaml
 from workflow.cli import main
-from workflow.commands.run import _checked, _exit_code
+from workflow.commands.run import _exit_code
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import accurate_reference
-from workflow.prepare import pilot
-from workflow.prepare.pilot import better_timestep
 from workflow.prepare.step_choice import ChosenStep
 from workflow.runs import check as checking
 from workflow.runs.check import check, stride
-from workflow.runs.completed_run import Check
-from workflow.runs.exchange import accountant
-from workflow.runs.job import Job, UncertaintyRecord
 from workflow.runs.run import prepare_run, run, run_prepared
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.validate import validate
@@ -32,7 +26,6 @@ from workflow.verdicts.validate import validate
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
 SCENE = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
-STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 
 
 @pytest.fixture(scope="module")
@@ -58,22 +51,9 @@ def test_run_json_holds_the_check(finished):
     assert held["seconds"] == made.seconds > 0.0
 
 
-def test_without_check_it_is_left_out(tmp_path, capsys):
-    path = tmp_path / "scene.yaml"
-    path.write_text("name: quick\nbeads: 4\nkick: {velocity: 1}\nduration: 2\n")
-    assert main(["run", str(path), "-o", str(tmp_path / "out"), "--no-check"]) == 0
-    assert "check" not in json.loads((tmp_path / "out" / "run.json").read_text())
-    assert "error:" not in capsys.readouterr().out
-
-
-def test_no_errors_of_peaks_and_arrivals_are_stated_where_no_pulse_leads(tmp_path, capsys):
-    path = tmp_path / "driven.yaml"
-    text = "name: driven\nbeads: 6\ndrive: {displacement: 0.1, frequency: 0.2}\nduration: 12\n"
-    path.write_text(f"{text}timestep: 0.01\noutput: {{every: 0.1}}\n")
-    assert main(["run", str(path), "-o", str(tmp_path / "out")]) == 0
-    (line,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("largest errors")]
-    assert "peak" not in line
-    assert "arrivals" not in line
+def test_errors_of_peaks_and_arrivals_are_null_where_no_pulse_leads(tmp_path):
+    keys = {"name": "driven", "beads": 6, "drive": {"displacement": 0.1, "frequency": 0.2}, "duration": 12}
+    run(library.from_plain({**keys, "timestep": 0.01, "output": {"every": 0.1}}, "driven"), tmp_path / "out")
     held = json.loads((tmp_path / "out" / "run.json").read_text())["check"]
     assert (held["amplitude"], held["arrival"]) == (None, None)
 
@@ -197,14 +177,6 @@ def test_the_time_step_that_is_named_divides_the_output_and_keeps_what_is_said_o
     assert left <= 5e-4
 
 
-def test_no_time_step_is_named_where_none_keeps_it_or_a_shorter_run_stood_for_this_one(monkeypatch):
-    rough = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
-    monkeypatch.setattr(pilot.search, "__kwdefaults__", {"most_work": 1e3})
-    assert better_timestep(rough) == "leave `timestep` out, and a pilot run chooses a shorter one"
-    far = scene(beads=2, gap=4e8, duration=1e5, every=1e3)
-    assert "no time step is known to leave less, since rounding" in better_timestep(far)
-
-
 # --- what is said of it -----------------------------------------------------------------------------------------------
 
 
@@ -232,65 +204,4 @@ def test_an_error_is_said_to_be_too_large_as_far_as_it_is_certain_and_is_a_failu
     assert bool(says) == bool(printed)
 
 
-@pytest.mark.parametrize("material", [None, STEEL], ids=["reduced", "SI"])
-def test_the_error_is_told_with_its_bead_and_time_in_the_scenes_units(material):
-    problem = scene(beads=10, kick=(Kick(velocity=0.5),), material=material).problem()
-    uncertainty = SimpleNamespace(velocity=8.5e-6, arrival=2.9e-5)
-    said = "\n".join(_checked(Check(1.6e-4, DeviationPlace(2, 7, 160.0), 5.7e-4, 6.3e-6, uncertainty, 0.0), problem))
-    second = " s" if material else ""
-    assert said == (
-        "largest errors against the reference integrator: velocities 1.6e-04 V (bead 7 of chain 2, "
-        f"t = {160.0 * problem.scale.time:.5g}{second}), "
-        "peak velocities 6.3e-06 V, arrivals 5.7e-04 T\n"
-        "the uncertainty of the reference integrator is 8.5e-06 V in velocities and 2.9e-05 T in arrivals"
-    )
-    unseen = list(_checked(Check(1.6e-4, None, np.nan, np.nan, uncertainty, 0.0), problem))
-    assert unseen == [
-        "largest errors against the reference integrator: velocities 1.6e-04 V",
-        "the uncertainty of the reference integrator is 8.5e-06 V in velocities",
-    ]
-
-
 # --- what it is measured against, with uncertainties made up, and the exchange that frames get ------------------------
-
-ASKED = ChosenStep(1e-4, 0.01, 10, 0.025, 5e-5, 5e-5, 1.0, limited=False, seconds=0.1)
-
-
-@pytest.mark.parametrize(
-    ("fall", "steps"),
-    [
-        (0.02, [4, 8]),  # sure to a third of what was asked for
-        (0.4, [4, 8, 16, 32]),
-        (0.6, [4, 8]),  # hardly surer
-    ],
-)
-def test_steps_are_doubled_until_the_reference_is_sure_or_hardly_gets_surer(fall, steps, monkeypatch):
-    """From 1e-3 at four steps a frame the uncertainty falls by a factor with each doubling."""
-
-    class Falling:
-        def __init__(self, _, *, steps_per_frame=None):
-            self.steps = steps_per_frame
-            self.uncertainty = SimpleNamespace(velocity=1e-3 * fall ** [4, 8, 16, 32].index(steps_per_frame))
-
-    monkeypatch.setattr(checking, "StepHalving", Falling)
-    assert [one.steps for one in checking.references_of(problem(), ASKED)] == steps
-
-
-def uncertainty_with(steps_per_frame):
-    return UncertaintyRecord(steps_per_frame=steps_per_frame, velocity=None, arrival=None, energy=None, momentum=None)
-
-
-@pytest.mark.parametrize(
-    ("taken", "steps"),
-    [(6, 6), (None, None), (10**12, 2**12 * engine.default_steps_per_frame(problem()))],
-)
-def test_frames_of_the_reference_are_followed_with_its_own_steps_as_far_as_it_would_take_them(taken, steps):
-    """A run of another engine has no uncertainty."""
-    uncertainty = None if taken is None else uncertainty_with(taken)
-    directory = SimpleNamespace(account=Job(uncertainty=uncertainty), problem=problem())
-    assert accountant(directory, problem()).steps_per_frame == steps
-
-
-def test_every_other_frame_of_the_reference_is_followed_with_twice_its_own_steps():
-    directory = SimpleNamespace(account=Job(uncertainty=uncertainty_with(6)), problem=problem())
-    assert accountant(directory, problem().coarser(2)).steps_per_frame == 12

@@ -9,16 +9,13 @@ import pytest
 from stock_lammps import scene
 
 from analysis.motion import overlaps
-from lammps_inputs import InputError, Material, find
-from workflow.engines.lammps import mpi
-from workflow.prepare.settings import settle
+from lammps_inputs import Material
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory, fingerprint
 from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
-two_ranks = pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
 
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 
@@ -94,21 +91,10 @@ def test_run_json_has_the_fingerprint_of_the_files_that_lammps_was_given(paper):
     assert fingerprint({**files, "in.chains": files["in.chains"] + " "}) != fingerprint(files)
 
 
-def test_a_run_directory_holds_its_scene(paper):
-    assert RunDirectory(paper("two-chains")).scene == settle(find("two-chains"))[0].resolved()
-
-
 def test_a_run_has_every_frame_it_was_asked_for(tmp_path):
     result = run(small(every=0.25, recorded=(3, 7)), tmp_path / "run", check=False)
     assert result.trajectory.velocity.shape == (41, 2, 2)
     np.testing.assert_array_equal(result.trajectory.time, 0.25 * np.arange(41))
-
-
-def test_a_trajectory_is_read_when_it_is_asked_for(tmp_path):
-    result = run(small(), tmp_path / "run", check=False)
-    (tmp_path / "run" / "chains.dump.bin").unlink()
-    with pytest.raises(InputError, match=r"holds no chains\.dump\.bin"):
-        _ = result.trajectory
 
 
 @pytest.mark.parametrize("bead", [1, 12, 40])
@@ -131,13 +117,6 @@ def test_a_directory_with_any_name_will_do(tmp_path):
 
 
 # --- ranks ------------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-@two_ranks
-def test_two_ranks_are_two_and_not_two_copies(tmp_path):
-    run(small(), tmp_path / "run", ranks=2, check=False)
-    assert "on 2 procs" in (tmp_path / "run" / "log.lammps").read_text()
 
 
 def test_progress_ends_with_the_last_step_and_the_bead_that_the_front_reached(tmp_path):
