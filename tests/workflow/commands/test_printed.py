@@ -1,4 +1,4 @@
-"""What commands print of each kind of scene, as golden texts: `show`, `run`, `analyze`, `validate`, and of a sweep."""
+"""What commands print and write of each kind of scene, as golden texts."""
 
 import json
 from pathlib import Path
@@ -28,6 +28,8 @@ SCENES = {
         **{"drive": {"displacement": 0.01, "frequency": 0.2}, "duration": 40, "output": {"spectra": {"beads": [1, 8]}}},
     },
     "window": {**COUPLED, "beads": 150, "duration": 100, "window": 64, "output": {"every": 0.5}},
+    "dragged": {**PLAIN, "beads": 30, "duration": 40, "damping": {"beads": 0.01}},
+    "few": {**PLAIN, "beads": 30, "duration": 40, "output": {"every": 0.2, "beads": [10, 20]}},
     "disordered": {**PLAIN, "beads": 40, "disorder": {"mass": 0.1, "seed": 2}, "duration": 50, "timestep": 0.0125},
 }
 """Kinds of scenes, of which commands have other things to say; the time step of the coarse one is too long."""
@@ -63,14 +65,40 @@ def printed(tmp_path, monkeypatch, capsys):
     return text
 
 
+def leaves(value, place=""):
+    """Lines of all numbers and words of a report; of many numbers of a list the first, the last and how many."""
+    if isinstance(value, dict):
+        for key, part in value.items():
+            yield from leaves(part, f"{place}.{key}" if place else key)
+    elif isinstance(value, list) and len(value) > 6:
+        yield f"{place}: {len(value)}"
+        yield from leaves(value[0], f"{place}[first]")
+        yield from leaves(value[-1], f"{place}[last]")
+    elif isinstance(value, list):
+        for number, part in enumerate(value, 1):
+            yield from leaves(part, f"{place}[{number}]")
+    else:
+        yield f"{place}: {value:.6g}" if isinstance(value, float) else f"{place}: {value}"
+
+
+def told(directory):
+    """What the files of an analysis hold: the report, and of tables their heads and last lines."""
+    report = json.loads((directory / "analysis.json").read_text(), parse_constant=pytest.fail)
+    lines = [*leaves({key: part for key, part in report.items() if key != "version"})]
+    for path in sorted(directory.glob("*.csv")):
+        head, *_, last = path.read_text().splitlines()
+        lines += ["", path.name, *map(": ".join, zip(head.split(","), last.split(","), strict=True))]
+    return "\n".join(lines)
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_what_is_printed_of_a_scene_its_run_its_analysis_and_its_validation(name, printed, golden):
     golden(f"show-{name}", printed(f"show {name}.yaml"), OF_MACHINE)
     golden(f"run-{name}", printed(f"run {name}.yaml -o {name}"), OF_MACHINE, LAST_DIGIT)
     golden(f"analyze-{name}", printed(f"analyze {name} --no-figures"), OF_MACHINE)
     golden(f"validate-{name}", printed(f"validate {name}", int(name == "coarse")), OF_MACHINE, LAST_DIGIT)
-    for file in Path(name).glob("*.json"):
-        json.loads(file.read_text(), parse_constant=pytest.fail)
+    golden(f"files-{name}", told(Path(name)), OF_MACHINE)
+    json.loads(Path(name, "validation.json").read_text(), parse_constant=pytest.fail)
     shown = Path(f"{name}-shown.yaml")
     shown.write_text(printed(f"show {name}.yaml"))
     assert printed(f"show {shown}") == shown.read_text()

@@ -1,6 +1,5 @@
 """Runs whose frames are not what their scene says, or say too little, are not analysed as if they were."""
 
-import shutil
 from pathlib import Path
 
 import pytest
@@ -40,15 +39,6 @@ def test_frames_of_another_kick_are_an_error_that_names_it(
     line = refusal([command, other_kick], capsys, code=1)
     assert "its frames are not those of scene.yaml: kick1: 0.9, in the scene 1; for other values" in line
     assert not (other_kick / "analysis.json").exists()
-
-
-def test_another_kick_is_seen_without_a_log(
-    other_kick: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    shutil.copytree(other_kick, tmp_path / "r")
-    (tmp_path / "r" / file_names.LOG).unlink()
-    line = refusal(["analyze", tmp_path / "r"], capsys, code=1)
-    assert "bead 1 of chain 1 starts with velocity 0.9 instead of 1" in line
 
 
 @pytest.mark.parametrize(("name", "value", "of_scene"), [("timestep", "0.02", "0.01"), ("every", "5", "10")])
