@@ -53,12 +53,6 @@ def test_every_command_explains_itself_and_ends_with_examples_that_parse(command
         cli.parser([name]).parse_args(words[1:])
 
 
-def test_the_program_alone_prints_its_help(capsys):
-    assert main([]) == 0
-    alone = capsys.readouterr().out
-    assert all(f"  {name} " in alone for name in COMMANDS)
-
-
 PRINTING = [module.EXAMPLES[0] for module in map(cli.module_of, COMMANDS) if vars(module).get("PRINTS")]
 PRINTING += [pytest.param("gallery --list", marks=needs("gallery"))]
 
@@ -72,29 +66,6 @@ def test_quiet_does_not_silence_what_a_command_is_for(example, capsys, tmp_path,
     printed = capsys.readouterr().out
     main([*words, "-q"])
     assert capsys.readouterr().out == printed != ""
-
-
-AT_A_DIRECTORY = [
-    *("analyze", "collect", "validate"),
-    pytest.param("export --to csv", marks=needs("export")),
-    pytest.param("view", marks=needs("pages")),
-]
-
-
-@pytest.mark.parametrize("command", AT_A_DIRECTORY)
-def test_a_directory_that_is_not_there_is_named_as_the_user_did(command, capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    name, *options = command.split()
-    assert main([name, "nope", *options]) == 2
-    error = capsys.readouterr().err
-    assert "nope" in error
-    assert "-o" not in error.split()
-
-
-@pytest.mark.usefixtures("tiny")
-def test_quiet_says_nothing(capsys):
-    assert main(["analyze", "run", "--no-figures", "--quiet"]) == 0
-    assert capsys.readouterr() == ("", "")
 
 
 @pytest.mark.usefixtures("tiny")
@@ -112,11 +83,6 @@ def test_json_is_one_object_and_nothing_else(words, key, capsys):
     assert key in json.loads(said(capsys, *words.split(), "--json"))
 
 
-@pytest.mark.usefixtures("tiny")
-def test_json_of_status_is_a_list(capsys):
-    assert [one["state"] for one in json.loads(said(capsys, "status", "run", "--json"))] == ["done"]
-
-
 def test_new_writes_a_scene_and_never_over_a_file(tmp_path, capsys):
     path = tmp_path / "mine.yaml"
     said(capsys, "new", str(path))
@@ -125,16 +91,6 @@ def test_new_writes_a_scene_and_never_over_a_file(tmp_path, capsys):
     assert main(["new", str(path)]) == 2
     assert "exists already" in capsys.readouterr().err
     assert path.read_text() == before
-
-
-@pytest.mark.slow
-def test_folders_called_as_the_packages_are_do_not_hide_them(tmp_path):
-    for name in ("analysis", "workflow", "lammps_inputs"):
-        (tmp_path / name).mkdir()
-    (tmp_path / "analysis" / "__init__.py").write_text("raise SystemExit('the wrong one')")
-    words = [sys.executable, "-m", "workflow", "show", "two-chains"]
-    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=HANGS, check=True)
-    assert done.stdout.startswith("name: two-chains")
 
 
 def test_packages_of_others_over_ours_are_named_in_one_line(tmp_path):

@@ -1,8 +1,8 @@
 """Arguments of the functions of `granchain`: what one cannot be ends in a line that names it, before anything runs."""
 
 import inspect
+import itertools
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -36,27 +36,9 @@ VALID = {
 """A value of each argument that has no default."""
 
 WRONG = (
-    None,
-    -1,
-    -1.5,
-    float("nan"),
-    float("inf"),
-    10**400,
-    True,
-    "",
-    "no such word",
-    b"bytes",
-    "\0",
-    object(),
-    [object()],
-    {"no such word": object()},
-    {1: 2},
-    (),
-    np.array(2.5),
-    np.full((2, 2), np.nan),
-    np.float64("nan"),
-    Scene,
-    len,
+    *(None, -1, -1.5, float("nan"), float("inf"), 10**400, True),
+    *("", "no such word", b"bytes", "\0", object(), [object()], {"no such word": object()}, {1: 2}, ()),
+    *(np.array(2.5), np.full((2, 2), np.nan), np.float64("nan"), Scene, len),
 )
 
 
@@ -74,9 +56,6 @@ def valid(function, place):
     """Valid values of the arguments without a default, of which the directory is a new one."""
     needed = [name for name, has_default in arguments(function) if not has_default]
     return {name: str(place / "new") if name == "directory" else VALID[name] for name in needed}
-
-
-ALL = [(name, argument) for name, function in FUNCTIONS.items() for argument, _ in arguments(function)]
 
 
 OPTION = re.compile(r"(?<![\w-])(--[a-z]|-o\b)")
@@ -104,44 +83,35 @@ def nothing_runs(monkeypatch):
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
-def test_a_name_that_no_argument_has_is_refused_with_the_one_that_is_meant(name, tmp_path):
+def test_a_name_that_no_argument_has_one_that_is_missing_and_a_value_of_no_kind_are_refused(name, tmp_path):
     function = FUNCTIONS[name]
-    first = next(argument for argument, _ in arguments(function))
+    names, given = dict(arguments(function)), valid(function, tmp_path)
+    first = next(iter(names))
     with pytest.raises(InputError, match=f"^{first}x: is no argument of {name} \\(did you mean `{first}`"):
-        function(**valid(function, tmp_path), **{f"{first}x": 1})
-
-
-@pytest.mark.parametrize("name", [name for name, function in FUNCTIONS.items() if valid(function, Path())])
-def test_an_argument_that_is_missing_is_named(name):
-    function = FUNCTIONS[name]
-    first = next(argument for argument, has_default in arguments(function) if not has_default)
-    with pytest.raises(InputError, match=f"^{first}: is missing"):
-        function()
-
-
-# a value of no kind that any argument takes
-@pytest.mark.parametrize(("name", "argument"), ALL)
-def test_a_value_of_no_kind_is_refused_by_the_name_of_the_argument(name, argument, tmp_path):
-    function = FUNCTIONS[name]
-    with pytest.raises(InputError, match=rf"^{argument}: <object object at \w+> given; \S") as refused:
-        function(**{**valid(function, tmp_path), argument: object()})
+        function(**given, **{f"{first}x": 1})
+    for missing in list(given)[:1]:
+        with pytest.raises(InputError, match=f"^{missing}: is missing"):
+            function()
+    for argument in names:
+        with pytest.raises(InputError, match=rf"^{argument}: <object object at \w+> given; \S") as refused:
+            function(**{**given, argument: object()})
+        assert "--" not in str(refused.value)
     assert not (tmp_path / "new").exists()
-    assert "--" not in str(refused.value)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "argument"), ALL)
-@pytest.mark.parametrize("value", WRONG, ids=lambda value: repr(value)[:20])
-def test_whatever_an_argument_is_ends_in_our_errors_alone(name, argument, value, tmp_path, monkeypatch):
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_whatever_an_argument_is_ends_in_our_errors_alone(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     function = FUNCTIONS[name]
-    said = ""
-    try:
-        function(**{**valid(function, tmp_path), argument: value})
-    except (InputError, granchain.RunError) as error:
-        said = str(error)
-    assert "\n" not in said
-    assert not OPTION.search(re.sub("`[^`]*`", "", said))
+    for (argument, _), value in itertools.product(arguments(function), WRONG):
+        said = ""
+        try:
+            function(**{**valid(function, tmp_path), argument: value})
+        except (InputError, granchain.RunError) as error:
+            said = str(error)
+        assert "\n" not in said
+        assert not OPTION.search(re.sub("`[^`]*`", "", said))
 
 
 WORDS = {

@@ -42,15 +42,6 @@ def filled(monkeypatch):
     return parser, prints
 
 
-def test_options_and_examples_of_extensions_stand_behind_those_of_the_command(filled):
-    text = filled[0].format_help()
-    places = [text.index(f"\n  --{option} ") for option in ("before", "first", "second", "behind")]
-    assert places == sorted(places)
-    words = " ".join(text.split())
-    assert words.endswith("examples: granchain status x granchain status --first granchain status --second")
-    assert "an answer; answer of first; answer of second" in words
-
-
 @pytest.mark.parametrize(
     ("words", "code", "printed"),
     [

@@ -13,16 +13,6 @@ def python(code):
     return done.stdout.split()
 
 
-def test_the_package_itself_loads_no_other():
-    new = "{name.partition('.')[0] for name in set(sys.modules) - before} - sys.stdlib_module_names"
-    assert python(f"import sys; before = set(sys.modules); import workflow; print(*{new})") == ["workflow"]
-
-
-def test_importing_loads_none_of_the_heavy_packages():
-    modules = "sys, granchain, workflow.cli, lammps_inputs, workflow.runs.run"
-    assert python(f"import {modules}; print(*(m for m in {HEAVY} if m in sys.modules))") == []
-
-
 def test_importing_for_a_script_leaves_the_process_as_it_was():
     code = """
 import gc, logging, os, random, signal, sys, threading, warnings
@@ -38,12 +28,6 @@ import granchain
 print(*(number for number, (old, new) in enumerate(zip(before, state())) if old != new))
 """
     assert python(code) == []
-
-
-def test_the_process_that_runs_lammps_loads_nothing_else_of_those():
-    # each run starts one
-    code = "import sys, workflow.engines.lammps.worker, lammps"
-    assert python(f"{code}; print(*(m for m in {HEAVY} if m in sys.modules))") == ["lammps"]
 
 
 LISTING = (*HEAVY, "numpy", "pydantic", "rich")
