@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from leaves import leaves
 from run_states import aged, with_deck, with_frames, with_record, with_restart
 
 from lammps_inputs import file_names, strict_yaml
@@ -63,22 +64,6 @@ def printed(tmp_path, monkeypatch, capsys):
         return out
 
     return text
-
-
-def leaves(value, place=""):
-    """Lines of all numbers and words of a report; of many numbers of a list the first, the last and how many."""
-    if isinstance(value, dict):
-        for key, part in value.items():
-            yield from leaves(part, f"{place}.{key}" if place else key)
-    elif isinstance(value, list) and len(value) > 6:
-        yield f"{place}: {len(value)}"
-        yield from leaves(value[0], f"{place}[first]")
-        yield from leaves(value[-1], f"{place}[last]")
-    elif isinstance(value, list):
-        for number, part in enumerate(value, 1):
-            yield from leaves(part, f"{place}[{number}]")
-    else:
-        yield f"{place}: {value:.6g}" if isinstance(value, float) else f"{place}: {value}"
 
 
 def told(directory):

@@ -267,8 +267,8 @@ def test_a_run_at_any_v_is_a_scaled_copy_of_the_run_at_1(speed):
 # --- rows that are integrated -----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("bead", [1, 2, 20, 39, 40])
-@pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
+@pytest.mark.parametrize("bead", [1, 20, 40])
+@pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES[1::3])
 def test_integrating_the_rows_that_can_move_is_bit_for_bit_integrating_all(chains, kappa, gap, bead):
     kick = Kick(bead=bead, velocity=1.0 if bead < 40 else -1.0)
     like = problem(chains=chains, kappa=kappa, gap=gap, beads=40, kick=(kick,))
@@ -276,15 +276,6 @@ def test_integrating_the_rows_that_can_move_is_bit_for_bit_integrating_all(chain
     x, v = integrated(all_rows(like), like, BLANES_MOAN, like.every / 4, 4 * like.frames)
     np.testing.assert_array_equal(found.displacement[-1], x)
     np.testing.assert_array_equal(found.velocity[-1], v)
-
-
-def test_one_moving_row_ahead_is_the_most_that_the_span_holds():
-    like = problem(beads=200)
-    state = make_state(like, None)
-    x, _ = integrated(state, like, BLANES_MOAN, 0.05, 200)
-    moved = np.flatnonzero((x != 0.0).any(axis=0))
-    assert state.span[0] == 1
-    assert state.span[1] == moved[-1] + 2
 
 
 @pytest.mark.parametrize(("chains", "kappa"), [(2, 0.01), (2, 0.1), (3, 0.1)])
@@ -295,25 +286,6 @@ def test_a_window_of_forty_rows_has_the_front_of_the_full_run_bit_for_bit(chains
         front = np.flatnonzero((full.velocity[frame] != 0.0).any(axis=0))[-1]
         rows = slice(max(0, front - 8), front + 1)
         np.testing.assert_array_equal(seen.velocity[frame, :, rows], full.velocity[frame, :, rows])
-
-
-def test_rows_that_the_window_let_go_keep_their_last_state():
-    late = run(problem(beads=100, duration=100.0), rows=40)[-50:]
-    np.testing.assert_array_equal(late.velocity[:, :, :20], np.broadcast_to(late.velocity[0, :, :20], (50, 2, 20)))
-
-
-def test_a_window_wider_than_the_chain_changes_nothing():
-    np.testing.assert_array_equal(run(problem()).velocity, run(problem(), rows=1000).velocity)
-
-
-def test_a_window_narrower_than_the_pulse_is_refused():
-    with pytest.raises(ValueError, match="a window of 20 rows is too narrow"):
-        run(problem(beads=100), rows=20)
-
-
-def test_recording_some_beads_records_them_of_the_same_run():
-    every, some = run(problem()), run(problem(recorded=(2, 7)))
-    np.testing.assert_array_equal(some.velocity, every.velocity[:, :, [1, 6]])
 
 
 # --- what is independent of it ----------------------------------------------------------------------------------------

@@ -88,12 +88,3 @@ def test_nothing_moves_that_the_push_has_not_reached():
     narrow = engine.run(one, rows=34)
     np.testing.assert_array_equal(whole.velocity, narrow.velocity)
     assert not whole.velocity[10, 0, 35:].any()
-
-
-@pytest.mark.slow
-def test_no_load_leaves_the_bits_of_a_kicked_run():
-    one = problem()
-    never = replace(one, system=replace(one.system, loads=(Load(2, 5, rectangular(0.0, 2.0)),)))
-    np.testing.assert_array_equal(
-        engine.run(one, steps_per_frame=4).velocity, engine.run(never, steps_per_frame=4).velocity
-    )
