@@ -6,12 +6,9 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import granchain
 from lammps_inputs import InputError, Scene
-from workflow.checked import in_python
 
 SCENE = {"name": "tiny", "beads": 8, "kick": {"velocity": 1.0}, "duration": 4.0}
 FUNCTIONS = {
@@ -114,29 +111,6 @@ def test_whatever_an_argument_is_ends_in_our_errors_alone(name, tmp_path, monkey
         assert not OPTION.search(re.sub("`[^`]*`", "", said))
 
 
-WORDS = {
-    ("run", "engine"): "lamps",
-    ("analyze", "arrival"): "late",
-    ("validate", "units"): "SI",
-    ("export", "to"): "netcfd",
-    ("extremes", "parts"): "loses",
-    ("gallery", "names"): "no entry",
-}
-"""Arguments that take one of several words, and a word that none of them is."""
-
-
-@pytest.mark.parametrize(("name", "argument"), [words for words in WORDS if words[0] in FUNCTIONS])
-def test_an_unknown_word_is_refused_with_those_there_are(name, argument, tmp_path):
-    function, (run, word) = FUNCTIONS[name], (tmp_path / "run", WORDS[name, argument])
-    run.mkdir()
-    (run / "scene.yaml").write_text("name: tiny\nbeads: 8\nkick: {velocity: 1}\nduration: 4\n")
-    values = {key: str(run) if key == "run" else value for key, value in valid(function, tmp_path).items()}
-    with pytest.raises(InputError, match=f"{word}.*(;|of|are) ") as refused:
-        function(**{**values, argument: word})
-    assert argument in str(refused.value)
-    assert [path.name for path in run.iterdir()] == ["scene.yaml"]
-
-
 @pytest.mark.parametrize(
     ("call", "says"),
     [
@@ -177,22 +151,8 @@ def test_a_scene_of_numbers_of_numpy_is_that_of_python(name):
     assert granchain.load(numpy_of(plain)).plain() == plain
 
 
-@given(st.integers(4, 60), st.floats(0.125, 9.0, width=32))
-@settings(max_examples=20)
-def test_changes_and_fields_of_sweeps_take_numbers_of_numpy(beads, velocity):
-    of_numpy = {"beads": np.int32(beads), "kick.velocity": np.float32(velocity)}
-    of_python = {"beads": beads, "kick.velocity": velocity}
-    assert granchain.load("one-chain", of_numpy) == granchain.load("one-chain", of_python)
-
-
 def test_numbers_flags_and_paths_of_numpy_count_as_those_of_python(tmp_path):
     with pytest.raises(granchain.RunError, match="begun"):
         granchain.run(SCENE, tmp_path / "new", ranks=np.int64(1), check=np.bool_(True), overwrite=np.False_)
     with pytest.raises(InputError, match=r"ranks: 1\.0 given"):
         granchain.run(SCENE, tmp_path / "new", ranks=1.0)
-
-
-def test_options_become_arguments_but_those_of_commands_that_are_quoted_remain():
-    message = "--at-beads: choose another -o, or replace it (--overwrite); `granchain run --resume x -o y`"
-    expected = "at_beads: choose another output, or replace it (overwrite=True); `granchain run --resume x -o y`"
-    assert in_python(message, ("output", "at_beads")) == expected
