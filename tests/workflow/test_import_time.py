@@ -13,23 +13,6 @@ def python(code):
     return done.stdout.split()
 
 
-def test_importing_for_a_script_leaves_the_process_as_it_was():
-    code = """
-import gc, logging, os, random, signal, sys, threading, warnings
-def state():
-    return [
-        dict(os.environ), list(sys.path), list(warnings.filters), set(threading.enumerate()), random.getstate(),
-        {number: signal.getsignal(number) for number in signal.valid_signals()}, list(logging.root.handlers),
-        gc.get_threshold(), gc.isenabled(), sys.getrecursionlimit(), sys.excepthook, sys.displayhook,
-    ]
-import numpy, yaml, pydantic  # have state of their own
-before = state()
-import granchain
-print(*(number for number, (old, new) in enumerate(zip(before, state())) if old != new))
-"""
-    assert python(code) == []
-
-
 LISTING = (*HEAVY, "numpy", "pydantic", "rich")
 
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from wrong_runs import causes
 
-from analysis.compare.difference import Uncertainty
 from analysis.compare.identify import identify
 from lammps_inputs import library
 from workflow.engines.reference import engine
@@ -60,6 +59,11 @@ def stronger_push(system, factor):
     return replace(system, loads=(replace(load, law=replace(load.law, peak=factor * load.law.peak)),))
 
 
+def longer_push(system, factor):
+    (load,) = system.loads
+    return replace(system, loads=(replace(load, law=replace(load.law, duration=factor * load.law.duration)),))
+
+
 def pair(right, *changes):
     """Trajectory of a problem whose system was changed, and that of the problem itself."""
     system = right.system
@@ -107,21 +111,14 @@ def test_all_that_departs_from_the_scene_is_named_largest_effect_first():
     ]
 
 
-def test_a_heavy_bead_beside_a_weak_contact_is_not_taken_for_many_others():
-    right = problem({})
-    wrong, reference = pair(right, (heavier_bead, 1.2), (stronger_contact, 0.9))
-    assert not any(departure.count > 1 for departure in identify(wrong, reference).departures)
-
-
-def uncertainty(velocity, arrival):
-    return Uncertainty(steps_per_frame=2, velocity=velocity, arrival=arrival, energy=0.0, momentum=0.0)
-
-
-@pytest.mark.parametrize(("velocity", "arrival", "doubted"), [(5e-4, 2e-3, []), (6e-4, 0.0, ["velocity"])])
-def test_a_reference_is_doubted_that_is_less_sure_than_a_tolerance(velocity, arrival, doubted):
-    for sure, names in ((uncertainty(velocity, arrival), doubted), (uncertainty(0.0, 2.1e-3), ["arrival"])):
-        said = validate._doubts(sure, validate.TOLERANCES)
-        assert [line.split(" in ")[1].split(",")[0] for line in said] == names
+@pytest.mark.parametrize(
+    ("change", "factor", "said"),
+    [(stronger_push, 0.0, "is missing"), (longer_push, 1.5, "is 1.5 times that of the scene")],
+)
+def test_a_push_that_is_missing_or_lasts_longer_is_named(change, factor, said):
+    (cause,) = causes(*pair(problem(PUSH), (change, factor)))
+    assert "push on bead 3 of chain 2" in cause
+    assert cause.endswith(said)
 
 
 def test_where_energy_is_exchanged_it_may_miss_what_velocities_may():
