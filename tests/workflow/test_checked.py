@@ -149,10 +149,3 @@ def test_a_scene_of_numbers_of_numpy_is_that_of_python(name):
     plain = granchain.load(name).plain()
     assert granchain.load(numpy_of(plain)) == granchain.load(plain) == Scene(**numpy_of(plain))
     assert granchain.load(numpy_of(plain)).plain() == plain
-
-
-def test_numbers_flags_and_paths_of_numpy_count_as_those_of_python(tmp_path):
-    with pytest.raises(granchain.RunError, match="begun"):
-        granchain.run(SCENE, tmp_path / "new", ranks=np.int64(1), check=np.bool_(True), overwrite=np.False_)
-    with pytest.raises(InputError, match=r"ranks: 1\.0 given"):
-        granchain.run(SCENE, tmp_path / "new", ranks=1.0)

@@ -94,22 +94,3 @@ def test_a_change_of_what_a_law_calls_changes_its_digest(tmp_path, monkeypatch):
     before = compiled.digest([law.force])
     (tmp_path / "helper_of_mine.py").write_text(HELPER.replace("2.0", "3.0"))
     assert compiled.digest([law.force]) != before
-
-
-def test_code_is_kept_only_where_nobody_else_can_write(tmp_path, monkeypatch):
-    """Without a home that is among the temporary files, in a directory of the user's own."""
-    (tmp_path / "home").write_text("no directory")
-    for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.setenv("HOME", str(tmp_path / "home"))
-    monkeypatch.setattr(compiled.tempfile, "gettempdir", lambda: str(tmp_path))
-    mine = tmp_path / f"granchain-{os.getuid()}"
-    try:
-        compiled.cache_directory.cache_clear()
-        assert compiled.cache_directory().parent == mine
-        assert mine.stat().st_mode & 0o077 == 0
-        mine.chmod(0o777)
-        compiled.cache_directory.cache_clear()
-        assert compiled.cache_directory() is None
-    finally:
-        compiled.cache_directory.cache_clear()

@@ -19,27 +19,7 @@ def extension(option, prints):
         prints.append(option)
         return 7 if getattr(arguments, option) else command(arguments)
 
-    return SimpleNamespace(
-        add_arguments=add_arguments, execute=execute, EXAMPLES=(f"status --{option}",), ANSWERS=f"answer of {option}"
-    )
-
-
-@pytest.fixture
-def filled(monkeypatch):
-    """Parser of a command that answers 5, with two extensions, and what these print."""
-    prints = []
-    both = {name: extension(name, prints) for name in ("first", "second")}
-    monkeypatch.setattr(plugins, "loaded", lambda kind: both if kind == "options.status" else {})
-    command = SimpleNamespace(
-        add_arguments=lambda parser: parser.add_argument("--before"),
-        add_last_arguments=lambda parser: parser.add_argument("--behind"),
-        execute=lambda _: prints.append("command") or 5,
-        EXAMPLES=("status x",),
-        ANSWERS="an answer",
-    )
-    parser = argparse.ArgumentParser("granchain status")
-    cli.fill(parser, command)
-    return parser, prints
+    return SimpleNamespace(add_arguments=add_arguments, execute=execute, EXAMPLES=(), ANSWERS="")
 
 
 @pytest.mark.parametrize(
@@ -50,8 +30,13 @@ def filled(monkeypatch):
         (["--second"], 7, ["second"]),
     ],
 )
-def test_extensions_wrap_one_another_and_the_command(words, code, printed, filled):
-    parser, prints = filled
+def test_extensions_wrap_one_another_and_the_command(words, code, printed, monkeypatch):
+    prints = []
+    both = {name: extension(name, prints) for name in ("first", "second")}
+    monkeypatch.setattr(plugins, "loaded", lambda kind: both if kind == "options.status" else {})
+    parser = argparse.ArgumentParser("granchain status")
+    execute = lambda _: prints.append("command") or 5  # noqa: E731
+    cli.fill(parser, SimpleNamespace(add_arguments=lambda _: None, execute=execute, EXAMPLES=(), ANSWERS=""))
     arguments = parser.parse_args(words)
     assert arguments.execute(arguments) == code
     assert prints == printed

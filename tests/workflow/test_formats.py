@@ -5,7 +5,6 @@ import struct
 import pytest
 
 import granchain
-from workflow import formats
 from workflow.cli import main
 
 
@@ -40,9 +39,3 @@ def inches(png):
 def test_figures_have_the_width_that_is_asked_for(ran):
     assert main(["analyze", str(ran), "--quiet", "--width", "3.4"]) == 0
     assert inches(ran / "response.png") == pytest.approx(3.4, abs=0.01)
-
-
-def test_a_command_in_a_job_draws_in_the_width_that_is_asked_for():
-    with formats.written_as(("png", "pdf"), 3.4):
-        assert formats.words() == ["--formats", "png,pdf", "--width", "3.4"]
-    assert formats.words() == ["--formats", "png"]

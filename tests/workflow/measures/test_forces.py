@@ -315,6 +315,15 @@ def test_the_largest_force_of_a_sensor_may_be_the_jump_of_one_contact_while_the_
     assert 1e-3 < abs(far.largest - close.largest)[0, 0] < far.largest_error[0, 0] < 1e-2
 
 
+def test_beads_at_rest_are_read_as_no_force():
+    still = problem(kappa=0.0)
+    trajectory = written_down(still, lambda t: (0.0 * t, 0.0 * t))
+    readings = readings_of(trajectory, wall=False, contacts=(3,))
+    assert not readings.force.any()
+    assert readings.impulse.tolist() == readings.largest.tolist() == readings.dwell.tolist() == [[0.0], [0.0]]
+    assert np.isnan(readings.at).all()
+
+
 # --- traces as they would have been measured --------------------------------------------------------------------------
 
 

@@ -90,3 +90,13 @@ def test_a_reflected_pulse_is_read_before_it_meets_the_next_incident_one(meet, k
     assert (found is not None) == known
     if found is not None:
         assert found.ratio == pytest.approx(0.9)
+
+
+def test_a_ripple_that_runs_ahead_of_the_pulse_is_not_what_the_wall_reflects():
+    pulses = (
+        pulse(1, 1, range(26, 48), 0.0, lambda _: 0.03),
+        pulse(1, 1, range(10, 58), 5.0, lambda _: 0.4),
+        pulse(1, -1, range(57, 20, -1), 54.0, lambda _: 0.02),
+        pulse(1, -1, range(57, 10, -1), 60.0, lambda _: 0.3),
+    )
+    assert reflections(pulses, PLAIN, right=True)[0].ratio == pytest.approx(0.75)

@@ -124,3 +124,9 @@ def test_amplitudes_have_twice_the_error_of_the_velocities_of_the_run():
     total = SWINGS.with_error(MeasuredError(velocity=0.01, measured=True))
     np.testing.assert_allclose(total.amplitude_error - SWINGS.amplitude_error, 0.02)
     np.testing.assert_allclose(total.at_drive_error - SWINGS.at_drive_error, 0.02)
+
+
+def test_the_highest_line_is_none_of_a_slow_drift_at_frequency_0():
+    drifting = replace(SWINGS, amplitude=np.concatenate([np.ones((1, 2, 2)), SWINGS.amplitude[1:]]))
+    found = drifting.found(problem()).beads
+    assert [(line.frequency, line.amplitude) for line in found] == [(0.1, 0.13), (0.1, 0.18), (0.1, 0.23), (0.1, 0.28)]

@@ -13,8 +13,7 @@ from pathlib import Path
 import pytest
 from refusals import refusal
 
-from lammps_inputs import Kick, Scene, file_names, strict_yaml
-from workflow.cli import main
+from lammps_inputs import Kick, Scene, file_names
 from workflow.runs.files import RECORD, complete, write_json, write_text
 from workflow.runs.job import load
 from workflow.runs.output_directory import (
@@ -27,16 +26,9 @@ from workflow.runs.resume import resume
 from workflow.runs.run import prepare_run, run, run_prepared
 from workflow.runs.run_directory import RunDirectory
 
-Printed, Patch = pytest.CaptureFixture[str], pytest.MonkeyPatch
-
 
 def scene(duration: float = 1.0) -> Scene:
     return Scene(name="small", beads=4, kick=(Kick(velocity=1.0),), duration=duration)
-
-
-def scene_file(path: Path) -> Path:
-    path.write_text("# mine\n" + strict_yaml.dump(scene().plain()))
-    return path
 
 
 def contents(directory: Path) -> dict[str, bytes]:
@@ -57,21 +49,6 @@ def test_overwriting_removes_what_is_listed_and_leaves_hidden_files_of_a_system_
     assert (tmp_path / ".nfs00000001").read_text() == "theirs"
     assert RunDirectory(tmp_path).scene.duration == 3.0
 
-
-def test_whoever_stands_in_a_directory_or_reaches_it_by_a_link_has_the_new_run_there(
-    tmp_path: Path, monkeypatch: Patch
-) -> None:
-    directory = run(scene(), tmp_path / "run", engine="reference").directory.path
-    (tmp_path / "link").symlink_to("run")
-    monkeypatch.chdir(tmp_path / "link")
-    words = ["run", str(scene_file(tmp_path / "s.yaml")), "--engine", "reference", "--overwrite"]
-    for place in (".", str(tmp_path / "link")):
-        assert main([*words, "-o", place]) == 0
-    assert os.path.samestat(Path().stat(), directory.stat())
-    assert (tmp_path / "link").is_symlink()
-
-
-# --- kills ------------------------------------------------------------------------------------------------------------
 
 OPERATIONS = {"os.chmod", "os.mkdir", "os.remove", "os.rename", "os.rmdir"}
 """Changes of files and directories that Python announces before they are made."""
@@ -139,27 +116,13 @@ def test_a_run_whose_replacement_was_killed_is_resumed_as_the_new_one(tmp_path: 
 
 
 @pytest.mark.usefixtures("lammps_here")
-def test_nothing_is_written_through_a_link(tmp_path: Path, capsys: Printed) -> None:
+def test_nothing_is_written_through_a_link(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     directory = run(scene(), tmp_path / "run", check=False).directory
     directory.update(outcome="interrupted")
     (directory.path / file_names.LOG).unlink()
     (directory.path / file_names.LOG).symlink_to(tmp_path / "victim")
     assert "is a link" in refusal(["run", "--resume", directory.path], capsys)
     assert not (tmp_path / "victim").exists()
-
-
-# --- written whole or not at all --------------------------------------------------------------------------------------
-
-
-def test_whoever_reads_a_file_while_it_is_replaced_reads_all_of_the_one_before(tmp_path: Path) -> None:
-    path = tmp_path / "run.json"
-    write_text(path, "before " * 1000)
-    with path.open("rb", buffering=0) as reader:
-        assert reader.read(7) == b"before "
-        write_text(path, "after")
-        assert reader.read() == b"before " * 999
-    assert path.read_text() == "after"
-    assert list(tmp_path.iterdir()) == [path]
 
 
 @pytest.mark.parametrize("fails", [False, True])

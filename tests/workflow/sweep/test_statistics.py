@@ -35,16 +35,8 @@ def table(fields, cases):
     return SweepTable(list(fields), rows, False)
 
 
-SEEDED = table(
-    ["disorder.mass", "disorder.seed"],
-    [
-        (0.1, 0, "done", 1.0),
-        (0.1, 1, "done", 3.0),
-        (0.1, 2, "failed", 9.0),
-        (0.2, 0, "done", None),
-        (0.2, 1, "done", 5.0),
-    ],
-)
+CASES = [(0.1, 0, "done", 1.0), (0.1, 1, "done", 3.0), (0.1, 2, "failed", 9.0)]
+SEEDED = table(["disorder.mass", "disorder.seed"], [*CASES, (0.2, 0, "done", None), (0.2, 1, "done", 5.0)])
 
 
 def test_groups_are_those_of_the_fields_that_are_no_seeds_and_cases_without_a_value_are_counted():
@@ -66,40 +58,26 @@ def test_figures_show_means_with_standard_errors_or_a_histogram_with_mean_and_me
         golden(name, table_of(grouping.drawn(found, grouping.grouped(found, "speed", fields))))
 
 
-@pytest.fixture(scope="module")
-def seeds(tmp_path_factory):
-    """A sweep of a short disordered chain over two spreads and three seeds."""
-    folder = tmp_path_factory.mktemp("seeds")
-    vary = {"disorder__seed": {"from": 4, "to": 6}, "disorder__mass": [0.1, 0.2]}
-    assert sweep(sweep_file(folder, SHORT, engine="reference", **vary), folder / "s") == 0
-    return folder / "s"
-
-
-def test_the_command_writes_and_prints_statistics_of_quantities_also_at_a_bead(seeds, capsys):
-    words = ["--statistics", "peak_velocity@10,participation"]
-    assert main(["collect", str(seeds), *words, "--json"]) == 0
+def test_the_command_and_the_function_have_statistics_of_quantities_also_at_a_bead(tmp_path, capsys):
+    """Of a sweep of a short disordered chain over two spreads and three seeds."""
+    seeds, vary = tmp_path / "s", {"disorder__seed": {"from": 4, "to": 6}, "disorder__mass": [0.1, 0.2]}
+    assert sweep(sweep_file(tmp_path, SHORT, engine="reference", **vary), seeds) == 0
+    capsys.readouterr()
+    assert main(["collect", str(seeds), "--statistics", "peak_velocity@10,participation", "--json"]) == 0
     first, *others = json.loads(capsys.readouterr().out)
     assert len(others) == 3
     peaks = []
     for seed in (4, 5, 6):
-        waves = csv.DictReader(
-            (seeds / f"disorder.mass=0.1,disorder.seed={seed}" / "waves.csv").read_text().splitlines()
-        )
-        peaks += [float(row["peak_velocity"]) for row in waves if row["bead"] == "10"]
+        table = (seeds / f"disorder.mass=0.1,disorder.seed={seed}" / "waves.csv").read_text().splitlines()
+        peaks += [float(row["peak_velocity"]) for row in csv.DictReader(table) if row["bead"] == "10"]
     assert first["values"] == 3
     assert first["mean"] == pytest.approx(np.mean(peaks), rel=ROUNDING)
-    assert main(["collect", str(seeds), *words]) == 0
-    out = capsys.readouterr().out
-    assert "s: peak_velocity@10" in out
-    assert "peak_velocity-at-10-statistics.png" in out
     rows = list(csv.DictReader((seeds / "statistics.csv").read_text().splitlines()))
     assert [(row["quantity"], row["disorder.mass"], row["values"]) for row in rows] == [
         (name, mass, "3") for name in ("peak_velocity@10", "participation") for mass in ("0.1", "0.2")
     ]
-    found = granchain.collect(seeds, ["peak_velocity@10"])
-    assert [group.statistics.mean for group in granchain.statistics(found, "peak_velocity@10")] == [
-        float(row["mean"]) for row in rows[:2]
-    ]
+    groups = granchain.statistics(granchain.collect(seeds, ["peak_velocity@10"]), "peak_velocity@10")
+    assert [group.statistics.mean for group in groups] == [float(row["mean"]) for row in rows[:2]]
 
 
 def test_masses_of_disordered_chains_have_the_mean_and_deviation_of_the_random_numbers():

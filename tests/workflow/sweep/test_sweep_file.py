@@ -13,9 +13,6 @@ def cases(**options):
     return all_cases(from_plain({"scene": SMALL, **options}, Path("s.yaml")))
 
 
-# --- what a sweep file means ------------------------------------------------------------------------------------------
-
-
 def test_a_product_has_every_combination_and_each_is_the_scene_with_those_values():
     what = from_plain({"scene": SMALL, "vary": {"kick.velocity": [1.0, 2.0], "coupling.stiffness": [0.1, 0.2]}}, Path())
     found = {
@@ -29,19 +26,14 @@ def test_zip_takes_first_with_first():
     assert [case.values for case in found] == [{"beads": 12, "duration": 10}, {"beads": 14, "duration": 12}]
 
 
-def test_a_part_that_the_scene_does_not_name_is_made():
-    plain = {key: value for key, value in SMALL.items() if key not in ("coupling", "kick")}
-    what = from_plain({"scene": plain, "vary": {"coupling.stiffness": [0.3], "kick.velocity": [2.0]}}, Path())
-    scene = scene_of(what, all_cases(what)[0])
-    assert (scene.coupling.stiffness, scene.kick[0].velocity) == (0.3, 2.0)
-
-
-def test_one_kick_of_two_is_named_by_its_number():
-    two = {**SMALL, "kick": [{"velocity": 1.0}, {"bead": 5, "velocity": 0.5}]}
-    what = from_plain({"scene": two, "vary": {"kick[2].velocity": [0.25]}}, Path())
+def test_a_part_that_the_scene_does_not_name_is_made_and_one_kick_of_two_is_named_by_its_number():
+    plain = {**SMALL, "coupling": None, "kick": [{"velocity": 1.0}, {"bead": 5, "velocity": 0.5}]}
+    scene = {key: value for key, value in plain.items() if value is not None}
+    what = from_plain({"scene": scene, "vary": {"coupling.stiffness": [0.3], "kick[2].velocity": [0.25]}}, Path())
     (case,) = all_cases(what)
+    assert scene_of(what, case).coupling.stiffness == 0.3
     assert [kick.velocity for kick in scene_of(what, case).kick] == [1.0, 0.25]
-    assert case.name == "kick2.velocity=0.25"
+    assert case.name == "coupling.stiffness=0.3,kick2.velocity=0.25"
 
 
 @pytest.mark.parametrize(
@@ -67,30 +59,18 @@ def test_a_logarithmic_range_has_equal_ratios():
     np.testing.assert_allclose(np.diff(np.log(found)), np.log(100.0) / 5, rtol=1e-13)
 
 
-# --- names ------------------------------------------------------------------------------------------------------------
-
-
-def test_names_say_field_and_value_in_an_order_that_does_not_depend_on_the_file():
-    one = cases(vary={"kick.velocity": [0.1], "coupling.stiffness": [0.05]})
-    other = cases(vary={"coupling.stiffness": [0.05], "kick.velocity": [0.1]})
-    assert one[0].name == other[0].name == "coupling.stiffness=0.05,kick.velocity=0.1"
-
-
-def test_numbers_in_the_names_of_a_sweep_have_as_many_digits_as_tell_its_values_apart():
+def test_names_have_an_order_of_their_own_and_as_many_digits_as_tell_values_apart():
+    (case,) = cases(vary={"kick.velocity": [0.1], "coupling.stiffness": [0.05]})
+    assert case.name == "coupling.stiffness=0.05,kick.velocity=0.1"
     ratio = {"from": 0.02, "to": 0.5, "count": 3, "spacing": "log"}
-    assert [case.name for case in cases(vary={"coupling.stiffness": ratio})] == [
-        "coupling.stiffness=0.02",
-        "coupling.stiffness=0.1",
-        "coupling.stiffness=0.5",
-    ]
+    found = [case.name for case in cases(vary={"coupling.stiffness": ratio})]
+    assert found == [f"coupling.stiffness={number}" for number in ("0.02", "0.1", "0.5")]
     close = cases(vary={"kick.velocity": [1 / 3, 1, 1.0000004]})
     assert [case.name for case in close] == [f"kick.velocity={number}" for number in ("0.33333333", "1", "1.0000004")]
     assert close[0].values == {"kick.velocity": 1 / 3}
 
 
-@pytest.mark.parametrize(
-    "value", ["../../etc", "a/b", "$(ls)", "a b", "x" * 500, ["a", {"b": 1}], "\x1b[31m", "..", ""]
-)
+@pytest.mark.parametrize("value", ["../../etc", "$(ls) b", "x" * 500, ["a", {"b": 1}], "\x1b[31m", ""])
 def test_whatever_the_value_a_name_is_one_safe_word(value):
     word = case_name({"description": value}).removeprefix("description=")
     assert 0 < len(word) <= 40

@@ -113,7 +113,7 @@ def test_all_that_departs_from_the_scene_is_named_largest_effect_first():
 
 @pytest.mark.parametrize(
     ("change", "factor", "said"),
-    [(stronger_push, 0.0, "is missing"), (longer_push, 1.5, "is 1.5 times that of the scene")],
+    [(stronger_push, 0.0, "is missing"), (longer_push, 1.1, "is 1.1 times that of the scene")],
 )
 def test_a_push_that_is_missing_or_lasts_longer_is_named(change, factor, said):
     (cause,) = causes(*pair(problem(PUSH), (change, factor)))
