@@ -111,26 +111,27 @@ def test_whatever_an_argument_is_ends_in_our_errors_alone(name, tmp_path, monkey
         assert not OPTION.search(re.sub("`[^`]*`", "", said))
 
 
-@pytest.mark.parametrize(
-    ("call", "says"),
-    [
-        (lambda: granchain.validate("out", tolerances={"velocty": 1}), r"tolerances: 'velocty' given \(did you mean"),
-        (
-            lambda: granchain.validate("out", tolerances={"velocity": -1}),
-            r"tolerances\['velocity'\]: -1 given; a number, 0",
-        ),
-        (lambda: granchain.load("two-chains", ["coupling"]), "changes: ['coupling'] given; a mapping"),
-        (lambda: granchain.sweep([1], "new"), r"definition: \[1\] given; the path of a file"),
-        (lambda: granchain.analyze("out", gradient=3), "gradient: 3 given; a list"),
-        (lambda: granchain.analyze("out", beads=[1, 2.5]), r"beads\[1\]: 2.5 given; a whole number, 1 or more"),
-        (lambda: granchain.run(SCENE, "new", ranks=0), "ranks: 0 given; a whole number, 1 or more"),
-        (lambda: granchain.run(SCENE, "new", "lammps"), "run: 3 arguments given; scene, directory; engine"),
-    ],
+CALLS = (
+    lambda: granchain.validate("out", tolerances={"velocty": 1}),
+    lambda: granchain.validate("out", tolerances={"velocity": -1}),
+    lambda: granchain.load("two-chains", ["coupling"]),
+    lambda: granchain.sweep([1], "new"),
+    lambda: granchain.analyze("out", gradient=3),
+    lambda: granchain.analyze("out", beads=[1, 2.5]),
+    lambda: granchain.run(SCENE, "new", ranks=0),
+    lambda: granchain.run(SCENE, "new", ranks=1.0),
+    lambda: granchain.run(SCENE, "new", "lammps"),
 )
-def test_a_value_that_cannot_be_is_refused_with_what_can(call, says, tmp_path, monkeypatch):
+
+
+def test_a_value_that_cannot_be_is_refused_with_what_can(tmp_path, monkeypatch, golden):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(InputError, match=f"^{says}" if "\\" in says else f"^{re.escape(says)}"):
-        call()
+    said = []
+    for call in CALLS:
+        with pytest.raises(InputError) as refused:
+            call()
+        said.append(str(refused.value))
+    golden("arguments", "\n".join(said))
     assert not list(tmp_path.iterdir())
 
 

@@ -69,21 +69,23 @@ def test_a_run_is_analysed_whatever_run_json_holds(record, a_run, capsys):
     assert (a_run / "waves.csv").exists()
 
 
-@pytest.fixture
-def full_output(monkeypatch):
-    """Standard output takes nothing."""
-    with contextlib.suppress(OSError), Path("/dev/full").open("w") as full:  # at its end
-        monkeypatch.setattr(sys, "stdout", full)
-        yield
+@contextlib.contextmanager
+def no_output():
+    """Standard output that takes nothing."""
+    with pytest.MonkeyPatch.context() as patch, contextlib.suppress(OSError):  # at its end
+        with Path("/dev/full").open("w") as full:
+            patch.setattr(sys, "stdout", full)
+            yield
 
 
-@pytest.mark.usefixtures("full_output")
 def test_a_command_whose_output_is_lost_writes_its_files_and_says_so_in_one_line(a_run, capsys):
     said = "granchain: standard output: cannot be written (No space left on device)"
-    assert main(["analyze", str(a_run), "--no-figures"]) == 0
+    with no_output():
+        assert main(["analyze", str(a_run), "--no-figures"]) == 0
     assert capsys.readouterr().err == f"{said}; the results are in the files\n"
     assert (a_run / "waves.csv").exists()
-    assert main(["show", "two-chains"]) == 1  # which only prints
+    with no_output():
+        assert main(["show", "two-chains"]) == 1  # which only prints
     assert capsys.readouterr().err == f"{said}\n"
 
 

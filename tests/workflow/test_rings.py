@@ -39,7 +39,8 @@ def velocity(scene: Scene) -> Any:
 def test_the_first_passage_is_that_of_an_open_chain(tmp_path):
     """At the beads before it meets the small pulse that the rebounding first bead has sent the other way."""
     closed, opened = (
-        analyse(run(ring(periodic=key, beads=30, duration=40.0), tmp_path / str(key)).directory) for key in (True, None)
+        analyse(run(ring(periodic=key, beads=30, duration=40.0), tmp_path / str(key)).directory, figures=False)
+        for key in (True, None)
     )
     one, other = closed.waves, opened.waves
     assert one.bead.tolist() == list(range(2, 31))
@@ -154,7 +155,7 @@ def test_the_force_in_the_closing_contact_is_that_of_any_other(tmp_path):
             tmp_path / str(kicked),
             engine="reference",
         )
-        forces.append(analyse(done.directory).measurements["forces"].plain())
+        forces.append(analyse(done.directory, figures=False).measurements["forces"].plain())
     for here, there in zip(*forces, strict=True):
         for key in ("largest", "at", "impulse", "dwell"):
             assert here[key] == pytest.approx(there[key], abs=1e-7)

@@ -1,5 +1,7 @@
 """Spectra: amplitudes of sines, on a line, between two, and at just one frequency; of which beads, from when on."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from small_problems import problem, written_down

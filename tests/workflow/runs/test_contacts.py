@@ -1,6 +1,5 @@
 """What is said of the contacts of SI runs."""
 
-import json
 from types import SimpleNamespace
 
 import numpy as np
@@ -77,14 +76,6 @@ def test_a_sphere_presses_on_a_wall_as_hard_as_hertz_says(kind, radius_share, st
     assert found.pressure == pytest.approx(1.5 * force / (np.pi * radius * overlap), rel=5e-4)
     bound = at_most(flying)
     assert (bound.overlap, bound.force) >= (found.overlap, found.force)
-
-
-def test_a_run_and_its_analysis_keep_the_same(tmp_path):
-    path, out = written(steel(beads=8), tmp_path / "a.yaml"), tmp_path / "out"
-    assert main(["run", path, "-o", str(out)]) == 0
-    assert main(["analyze", str(out), "--no-figures"]) == 0
-    kept = json.loads((out / "run.json").read_text())["contacts"]
-    assert kept == json.loads((out / "analysis.json").read_text())["contacts"]
 
 
 @pytest.mark.parametrize(("velocity", "warned"), [(120.0, False), (140.0, True)])

@@ -82,9 +82,7 @@ def test_a_run_has_every_frame_it_was_asked_for(tmp_path):
 def test_a_run_until_a_bead_ends_soon_after_its_peaks(bead, tmp_path):
     ended = small(beads=40, until_bead=bead, duration=None)
     result = run(ended, tmp_path / "run", check=False)
-    fastest = (
-        analyse(result.directory, figures=False).survey.waves.at(bead).time
-    )  # also of the last bead, which flies on
+    fastest = analyse(result.directory, figures=False).survey.waves.at(bead).time  # also of the last, which flies on
     assert len(fastest) == 2
     assert fastest.max() + 1.0 < result.trajectory.time[-1] < fastest.max() + 10.0
 

@@ -6,7 +6,7 @@ import os
 from importlib import metadata
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from run_states import CASE, aged, alps, with_deck, with_frames, with_record, with_restart
 
@@ -100,6 +100,7 @@ RECORDS = st.dictionaries(
 FILES = [RECORD, file_names.DECK, file_names.DUMP, file_names.SCENE, file_names.CASES]
 
 
+@settings(max_examples=25)
 @given(
     st.tuples(st.sampled_from(FILES), st.binary(max_size=300))
     | st.tuples(st.just(RECORD), RECORDS.map(lambda record: json.dumps(record).encode()))

@@ -89,7 +89,8 @@ def test_frames_that_are_not_those_of_the_run_are_told_of(finished, tmp_path, ca
 
 
 def test_an_uncertainty_covers_the_error_that_the_run_states_and_without_a_check_the_frames_alone(tmp_path, capsys):
-    coarse = run(scene(timestep=0.1, output=Output(every=0.1)), tmp_path / "coarse").directory
+    short = scene(beads=50, duration=72.0, timestep=0.1)
+    coarse = run(short, tmp_path / "coarse").directory
     assert main(["analyze", str(coarse.path), "--no-figures"]) == 0
     assert "was not checked" not in capsys.readouterr().out
     check, report = coarse.account.check, json.loads((coarse.path / "analysis.json").read_text())
@@ -98,7 +99,7 @@ def test_an_uncertainty_covers_the_error_that_the_run_states_and_without_a_check
     assert report["equipartition"]["final"]["uncertainty"] >= check.amplitude
     assert all(wave["peak_velocity_error"] >= check.amplitude for wave in report["waves"])
     assert all(wave["arrival_error"] >= check.arrival for wave in report["waves"])
-    alone = run(scene(timestep=0.1, output=Output(every=0.1)), tmp_path / "alone", check=False).directory
+    alone = run(short, tmp_path / "alone", check=False).directory
     assert main(["analyze", str(alone.path), "--no-figures"]) == 0
     assert "uncertainties cover the time between frames alone" in capsys.readouterr().out
     assert json.loads((alone.path / "analysis.json").read_text())["run_error"] is None

@@ -20,7 +20,7 @@ from workflow.verdicts.validate import REPORT, validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
-SCENE = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
+SCENE = scene(chains=2, beads=24, kappa=0.1, duration=40.0)
 
 
 @pytest.fixture(scope="module")
@@ -77,41 +77,43 @@ def test_motion_in_round_numbers_is_not_taken_for_rounding(tmp_path):
 
 # --- wrong runs, each named -------------------------------------------------------------------------------------------
 
-WRONG = {
-    "cubic coupling": (
-        wrong_runs.CUBIC,
-        "the exponent of the coupling is larger by",
-    ),
-    "kappa 1% more": (wrong_runs.ONE_PERCENT_MORE, "the coupling is 1.01 (± "),
-    "a missing spring": (wrong_runs.without_spring(8), "the coupling between chains 1 and 2 in row 8 is missing"),
-    "no springs": (
-        wrong_runs.replaced(file_names.DECK, "kappa index 0.1\n", "kappa index 0\n"),
-        "the coupling is missing",
-    ),
-    "float32 positions": (wrong_runs.in_single_precision, "positions have only single precision"),
-    "a %g dump": (wrong_runs.printed_with_g, "velocities have only 6 digits"),
-    "half-step velocities": (wrong_runs.at_half_steps, "time steps before the positions (half-step velocities?)"),
-    "not a number": (
+SLOW = pytest.mark.slow
+DECKS = (
+    pytest.param(wrong_runs.CUBIC, "the exponent of the coupling is larger by", id="cubic coupling"),
+    pytest.param(wrong_runs.ONE_PERCENT_MORE, "the coupling is 1.01 (± ", id="kappa 1% more", marks=SLOW),
+    pytest.param(wrong_runs.without_spring(8), "between chains 1 and 2 in row 8 is missing", id="a spring", marks=SLOW),
+)
+DUMPS = (
+    pytest.param(wrong_runs.in_single_precision, "positions have only single precision", id="float32", marks=SLOW),
+    pytest.param(wrong_runs.printed_with_g, "velocities have only 6 digits", id="a %g dump", marks=SLOW),
+    pytest.param(wrong_runs.at_half_steps, "before the positions (half-step velocities?)", id="half steps"),
+    pytest.param(
         lambda run: (run.displacement, np.where(run.time[:, None, None] > 30.05, np.nan, run.velocity)),
         "from t = 30.1 on",
+        id="not a number",
     ),
-}
+)
 
 
-@pytest.mark.parametrize("case", WRONG)
-def test_a_wrong_run_is_caught_and_named(case, good, tmp_path, capsys):
-    change, _ = WRONG[case]
-    if case in ("float32 positions", "a %g dump", "half-step velocities", "not a number"):
-        directory = wrong_runs.rewritten(good, tmp_path / "run", change)
-    else:
-        directory = wrong_runs.deck_run(SCENE, tmp_path / "run", change)
+def is_named(directory, says, capsys):
+    """A validation fails, and its output and report name the cause."""
     assert main(["validate", str(directory.path)]) == 1
     said = capsys.readouterr().out
     assert "NOT passed" in said
-    assert WRONG[case][1] in said
+    assert says in said
     report = json.loads((directory.path / REPORT).read_text())
     assert report["passed"] is False
-    assert any(WRONG[case][1] in cause for cause in report["causes"])
+    assert any(says in cause for cause in report["causes"])
+
+
+@pytest.mark.parametrize(("edit", "says"), DECKS)
+def test_a_wrong_deck_is_caught_and_named(edit, says, tmp_path, capsys):
+    is_named(wrong_runs.deck_run(SCENE, tmp_path / "run", edit), says, capsys)
+
+
+@pytest.mark.parametrize(("change", "says"), DUMPS)
+def test_a_wrong_dump_is_caught_and_named(change, says, good, tmp_path, capsys):
+    is_named(wrong_runs.rewritten(good, tmp_path / "run", change), says, capsys)
 
 
 def test_the_first_wrong_bead_and_time_are_named(good, tmp_path, capsys):
