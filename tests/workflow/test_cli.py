@@ -72,10 +72,10 @@ def test_a_run_is_analysed_whatever_run_json_holds(record, a_run, capsys):
 @contextlib.contextmanager
 def no_output():
     """Standard output that takes nothing."""
-    with pytest.MonkeyPatch.context() as patch, contextlib.suppress(OSError):  # at its end
-        with Path("/dev/full").open("w") as full:
-            patch.setattr(sys, "stdout", full)
-            yield
+    errors = contextlib.suppress(OSError)  # at its end
+    with pytest.MonkeyPatch.context() as patch, errors, Path("/dev/full").open("w") as full:
+        patch.setattr(sys, "stdout", full)
+        yield
 
 
 def test_a_command_whose_output_is_lost_writes_its_files_and_says_so_in_one_line(a_run, capsys):

@@ -82,12 +82,6 @@ def test_the_budget_of_the_reference_closes_to_1e_9_however_far_apart_frames_are
 
 
 @pytest.mark.slow
-def test_a_run_by_the_reference_takes_the_steps_that_close_its_budget(tmp_path: Path) -> None:
-    found = analyse(run(damped(), tmp_path / "run", engine="reference").directory, figures=False)
-    assert found.measurements["budget"].values.closed < 1e-9
-
-
-@pytest.mark.slow
 def test_contacts_that_stick_and_part_take_steps_of_their_own_for_that() -> None:
     kicks = (Kick(bead=10, velocity=1.0), Kick(bead=11, velocity=-0.4904698767034886))
     scene = damped(damping=Damping(contact=0.785972041541755, tension="cut"), kick=kicks, every=0.05)

@@ -19,12 +19,7 @@ from workflow.engines.registry import engine_names
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
-EQUAL, BEATING, SHORT, ALONE = (
-    EquipartitionState.EQUAL,
-    EquipartitionState.BEATING,
-    EquipartitionState.SHORT,
-    EquipartitionState.ALONE,
-)
+EQUAL, BEATING, SHORT, ALONE = (EquipartitionState[name] for name in ("EQUAL", "BEATING", "SHORT", "ALONE"))
 
 GAP = 0.9089137578630695
 """Of eq. 5 at kappa = 1."""
@@ -32,18 +27,11 @@ GAP = 0.9089137578630695
 
 @dataclass(frozen=True)
 class Row:
-    """A scene and what is to be said of it.
+    """A scene that ends at a time, and what is to be said of it.
 
-    Attributes:
-        name: of the row.
-        state: of the verdict.
-        chains, beads, kappa, until: of the scene; it ends at this time.
-        agrees: bead from which on amplitudes agree to 1%; None where nobody knows.
-        foretold: whether that bead must be foretold within its uncertainty; where not, it must not be named.
-        more: further keys of the scene.
-        engine: what runs it.
-        kept: part of the frames that is kept, as in a run that was cut.
-        says, never: patterns of what is printed.
+    `agrees` is the bead from which on amplitudes agree to 1%, None where nobody knows; `foretold`, whether it must be
+    foretold within its uncertainty; where not, it must not be named. `more` are further keys of the scene, `kept` is
+    the part of the frames that is kept, as in a run that was cut; `says` and `never` are patterns of what is printed.
     """
 
     name: str
@@ -61,9 +49,8 @@ class Row:
     never: tuple[str, ...] = ()
 
     def scene(self) -> dict[str, Any]:
-        coupling = {"coupling": {"model": "linear", "stiffness": self.kappa}} if self.kappa else {}
-        every = {"output": {"every": 0.5}}
-        scene = {"name": self.name, "chains": self.chains, "beads": self.beads, **coupling, **every}
+        coupling = {"coupling": {"stiffness": self.kappa}} if self.kappa else {}
+        scene = {"name": self.name, "chains": self.chains, "beads": self.beads, **coupling, "output": {"every": 0.5}}
         return {**scene, "kick": {"velocity": 1.0}, "duration": self.until, **self.more}
 
 
