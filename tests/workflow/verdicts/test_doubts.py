@@ -8,6 +8,7 @@ from wrong_runs import causes
 
 from analysis.compare.identify import identify
 from lammps_inputs import library
+from lammps_inputs.laws.in_time import half_sine
 from workflow.engines.reference import engine
 from workflow.verdicts import validate
 
@@ -61,7 +62,7 @@ def stronger_push(system, factor):
 
 def longer_push(system, factor):
     (load,) = system.loads
-    return replace(system, loads=(replace(load, law=replace(load.law, duration=factor * load.law.duration)),))
+    return replace(system, loads=(replace(load, law=half_sine(load.law.peak, factor * load.law.duration)),))
 
 
 def pair(right, *changes):
