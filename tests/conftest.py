@@ -1,6 +1,6 @@
 """Settings of all tests, and a quick way to run LAMMPS in them.
 
-What takes time, in seconds of processor (`cpu_times` in support prints them):
+What takes time, in seconds of processor:
 
 - A new combination of laws: 2 to 3 for the reference, 1 to 2 more for its passages, once in a suite. New are other
   laws or another number of them, and numbers that become arrays (masses that differ), not other values, beads or

@@ -2,14 +2,9 @@
 
 import csv
 import json
-import os
-import re
-import subprocess
 
 import pytest
-from extending import apply, granchain, python
-from processes import HANGS
-from stock_lammps import MPIEXEC, WHEEL
+from extending import apply, granchain
 from sweeps import SMALL
 
 from lammps_inputs import strict_yaml
@@ -71,67 +66,3 @@ def test_the_engine_computes_a_run_that_the_validation_passes(tree):
     # the uncertainty of the reference is some 2e-6 V
     assert validation["quantities"]["velocity"]["largest"] < 1e-5
     assert granchain(environment, tree, "status", "run").startswith("run: done")
-
-
-CODE = r"""if True:
-    from workflow.plugins.jobs import job
-    from workflow.plugins.jobs.lsf import LSF
-    from workflow.plugins.jobs.schedulers import ListedJob
-    from workflow.plugins.jobs.site import JobOptions
-    answers = {"lsid": "IBM LSF\nMy cluster name is hpc\n", "bjobs": "17|0|RUN|/a b\n18|2|PEND|/c\n"}
-    expected = [ListedJob("17", False, None, "/a b"), ListedJob("18.2", True, 1, "/c")]
-    assert LSF.queue(lambda command, *_: answers[command]) == ("hpc", expected)
-    assert LSF.queue(lambda *_: None) is None
-    print(job.render_array(JobOptions(scheduler="lsf", array_limit=3), ["a", "b"])["job.lsf"])"""
-
-
-def test_the_scheduler_writes_its_scripts_and_reads_its_queue(tree):
-    environment = {**apply("A scheduler", tree), "HOME": str(tree)}
-    scene(tree, timestep=0.01)
-    words = ("--scheduler", "lsf", "--nodes", "2", "--ranks-per-node", "4", "--time", "1-12:30:01")
-    printed = granchain(environment, tree, "deck", "s.yaml", "-o", "job", *words, "--partition", "long")
-    assert "`bsub < job.lsf` there submits the job" in printed
-    script = (tree / "job" / "job.lsf").read_text()
-    assert [line for line in script.splitlines() if line.startswith("#BSUB")] == [
-        '#BSUB -J "small" -L /bin/bash -o /dev/null',
-        '#BSUB -W 36:31 -n 8 -R "span[ptile=4]"',
-        "#BSUB -q long",
-    ]
-    array = python(environment, tree, "-c", CODE)
-    assert '#BSUB -J "sweep[1-2]%3" ' in array
-    for text in (script, array):
-        subprocess.run(["bash", "-n"], input=text, text=True, check=True)
-
-
-def test_a_job_of_the_scheduler_submits_the_next_near_its_limit(tree):
-    environment = {**apply("A scheduler", tree), "HOME": str(tree)}
-    scene(tree, timestep=0.01)
-    words = ("--scheduler", "lsf", "--lmp", str(WHEEL), "--launcher", f"{MPIEXEC} -n {{ranks}}")
-    granchain(environment, tree, "deck", "s.yaml", "-o", "job", *words)
-    directory, programs = tree / "job", tree / "programs"
-    deck = directory / "in.job"
-    # the first job is at its limit when it begins, and ends after its first stretch
-    text = deck.read_text().replace("label stretch", "shell sh pause\n\nlabel stretch")
-    deck.write_text(text.replace("ceil(5/", "ceil(0.0005/"))
-    (directory / "pause").write_text("[ -f chains.restart ] || echo stop 1<>job.flag\n")
-    programs.mkdir()
-    stubs = {
-        "lsid": "echo My cluster name is hpc",
-        "bjobs": "",
-        "bsub": f'echo "$granchain_job $@" >{programs}/submitted; cat >/dev/null; echo "Job <18> is submitted."',
-    }
-    for name, commands in stubs.items():
-        (programs / name).write_text(f"#!/bin/sh\n{commands}\n")
-        (programs / name).chmod(0o755)
-    environment |= {"PATH": f"{programs}:{os.environ['PATH']}", "LSB_JOBINDEX": "0", "LSB_DJOB_NUMPROC": "1"}
-    environment |= {"LS_SUBCWD": str(directory), "LSB_JOBID": "17"}
-
-    def state():
-        with (directory / "job.lsf").open() as script:
-            subprocess.run(["bash"], cwd="/", env=environment, stdin=script, timeout=HANGS, start_new_session=True)
-        return re.match(r"(\w+) job=(\S*) cluster=(\S*) ", (directory / "job.state").read_text()).groups()
-
-    assert state() == ("waiting", "18", "hpc")
-    assert (programs / "submitted").read_text() == "2 -w ended(17)\n"
-    environment |= {"LSB_JOBID": "18", "granchain_job": "2"}
-    assert state() == ("done", "18", "hpc")

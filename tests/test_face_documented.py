@@ -10,7 +10,6 @@ from itertools import pairwise
 from pathlib import Path
 from types import ModuleType
 
-import plug_ins
 import pytest
 from docstring_examples import PARTS, failures
 
@@ -116,11 +115,6 @@ def test_what_plug_ins_use_has_a_docstring_with_shapes_units_and_errors(name):
         assert undocumented(thing) == []
 
 
-def test_plug_ins_use_functions_and_classes_of_modules():
-    plug_ins.skip_if_deleted(*plug_ins.WITHOUT)  # which may be those that do
-    assert len(things()) > len(PARTS)
-
-
 # --- examples ---------------------------------------------------------------------------------------------------------
 
 NAMES = [(name, PARTS) for name in PARTS] + [(name, FACE) for name in FACE if name not in PARTS]
@@ -139,56 +133,3 @@ def test_the_example_of_a_name_prints_what_is_written(name, tmp_path):
 
 
 # --- the test itself --------------------------------------------------------------------------------------------------
-
-
-def documented_in_full(x, y):
-    """Sum of positions.
-
-    Args:
-        x: [frame, bead] position, in units of L.
-        y, z: [frame] offset, dimensionless;
-            of all beads.
-
-    Returns:
-        [frame, bead] sum, in units of L.
-
-    Raises:
-        ValueError: it cannot be computed.
-    """
-    raise ValueError(x, y)
-
-
-def without_units(x, y):
-    """Sum of positions [frame, bead]."""
-    raise granchain.InputError(x, y)
-
-
-def without_errors(x, y):
-    """Sum of positions.
-
-    Args:
-        x: position, in units of L.
-        y: [frame] offset.
-    """
-    raise ValueError(x, y)
-
-
-@pytest.mark.parametrize(
-    ("function", "lacking"),
-    [
-        (documented_in_full, []),
-        (without_units, ["x: shape", "x: unit", "y: shape", "y: unit", "result: unit"]),
-        (without_errors, ["x: shape", "y: unit", "result: shape", "result: unit", "raises ValueError"]),
-    ],
-)
-def test_what_a_docstring_lacks_is_found(function, lacking, monkeypatch):
-    monkeypatch.setattr(function, "__annotations__", dict.fromkeys(("x", "y", "return"), "Floats"))
-    assert undocumented(function) == lacking
-
-
-def test_an_example_that_prints_otherwise_is_found(tmp_path):
-    assert "Expected:\n    2" in failures(">>> 1 + 2\n2", tmp_path)
-    assert (
-        failures(">>> physics.mass_of.__name__, str(np.float64(1)), tmp.name != ''\n('mass_of', '1.0', True)", tmp_path)
-        == ""
-    )

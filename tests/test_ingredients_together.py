@@ -133,7 +133,3 @@ def test_a_plain_scene_has_no_trace_of_ingredients():
     assert not problem.system.lacks
     assert not physics.loaded(problem.system)
     assert rates.front_speed(problem.system) == 1.0
-
-
-def test_no_stiffness_is_no_coupling():
-    assert scene(coupling={"stiffness": 0.0}).problem() == scene(coupling=None).problem()

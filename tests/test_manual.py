@@ -18,30 +18,6 @@ def test_no_paragraph_of_the_manual_has_more_than_90_words_and_no_cell_more_than
     assert pages.too_long(page.read_text(encoding="utf-8")) == []
 
 
-@pytest.mark.parametrize(
-    ("page", "count"),
-    [
-        ("word " * 90, 0),
-        ("word " * 91, 1),
-        ("word " * 50 + "\n\n" + "word " * 50, 0),
-        ("- " + "word " * 50 + "\n- " + "word " * 50, 0),
-        ("- " + "word " * 91, 1),
-        ("```\n" + "word " * 91 + "\n```", 0),
-        (f"| {'a' * 201} | b |", 1),
-        (f"| {'a' * 200} | {'b' * 200} |", 0),
-    ],
-)
-def test_what_counts_as_a_paragraph_and_a_cell(page, count):
-    assert len(pages.too_long(page)) == count
-
-
-def test_excluded_and_lammps_of_the_scene_reference_are_lists():
-    page = (ROOT / "lammps_inputs" / "SCENES.md").read_text(encoding="utf-8")
-    heads = re.findall(r"^(?:Excluded|LAMMPS)[^\n]*\n\n?..", page, re.M)
-    assert len(heads) > 20
-    assert [head for head in heads if not head.endswith(":\n\n- ")] == []
-
-
 def test_every_symbol_of_the_equations_of_the_model_is_in_its_table_of_notation():
     page = (ROOT / "lammps_inputs" / "MODEL.md").read_text(encoding="utf-8")
     equations, _, notation = page.partition("## Notation")

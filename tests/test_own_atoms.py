@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import labelled
 from analysis.compare import start
-from analysis.compare.difference import DeviationPlace, errors_of
+from analysis.compare.difference import errors_of
 from analysis.conservation import AccountMeter
 from lammps_inputs import library, physics
 from lammps_inputs.decks import deck
@@ -17,7 +16,6 @@ from lammps_inputs.links import Links
 from lammps_inputs.system import FurtherLine, Noun
 from workflow.engines.reference import engine
 from workflow.measures.budget import BudgetMeasurement, ClosedAccount
-from workflow.runs.job import ErrorPlace
 
 PENDULUM = Noun("pendulum", "pendulums")
 RESONATOR = Noun("resonator", "resonators")
@@ -64,11 +62,6 @@ def test_lines_of_one_noun_and_chain_are_shared_where_places_are_free_and_no_oth
     assert [link.edges for link in ties] == [((0, 2), (1, 3)), ((0, 2), (1, 3)), ((1, 4),), ((1, 5),)]
 
 
-def test_lines_for_which_no_chain_is_named_are_those_of_all_chains_in_turn():
-    lines, *_ = together(2, [FurtherAtoms(np.ones((4, 3)), ())])
-    assert [(line.chain, line.noun) for line in lines] == [(n, ("inner atom", "inner atoms")) for n in (0, 1, 0, 1)]
-
-
 def test_an_atom_at_one_bead_of_one_chain_weighs_on_it_and_stands_at_its_place():
     made = library.from_plain({**KEYS, "precompression": {"force": 0.1}}, "test").problem()
     hung = Links.across("hung", Linear(np.array([[0.0] * 2 + [1.0] + [0.0] * 3])), edges=((1, 2),))
@@ -83,32 +76,7 @@ def test_an_atom_at_one_bead_of_one_chain_weighs_on_it_and_stands_at_its_place()
     assert "\n1 1 9 15\n" in text
 
 
-def test_systems_with_other_nouns_or_masses_are_not_equal():
-    plain, other = problem(*MIXED).system, problem(*MIXED).system
-    assert plain == other
-    assert plain != problem(*[RESONATOR] * 4).system
-    heavier = [*plain.further_lines[:3], replace(plain.further_lines[3], mass=2.0 * plain.further_lines[3].mass)]
-    assert plain != replace(plain, further_lines=tuple(heavier))
-
-
 # --- where they are named ---------------------------------------------------------------------------------------------
-
-
-def test_arrays_are_called_by_the_noun_each_with_its_lines(mixed):
-    dataset = labelled.labelled(mixed)
-    assert {name for name in dataset if "resonator" in name or "pendulum" in name} == {
-        f"{noun}{what}" for noun in ("resonator", "pendulum") for what in ("", "_displacement", "_velocity")
-    }
-    pendulum = dataset["pendulum_velocity"]
-    assert pendulum.dimensions == ("time", "pendulum", "bead")
-    assert dataset["pendulum"].long_name.startswith("number of the line of pendulums")
-    np.testing.assert_array_equal(pendulum.values[:, :, 2:4], mixed.atoms[1][:, 4:, 2:4])
-    assert np.isnan(pendulum.values[:, :, [0, 1, 4, 5]]).all()
-
-
-def test_a_noun_of_several_words_is_one_name_of_an_array():
-    frames = engine.run(problem(*[Noun("inner atom", "inner atoms")] * 4))[:2]
-    assert "inner_atom_velocity" in labelled.labelled(frames)
 
 
 def test_the_atom_that_does_not_start_at_rest_is_called_by_its_noun(mixed):
@@ -126,22 +94,6 @@ def test_a_deviation_is_of_the_atom_by_its_noun_its_number_and_its_chain(mixed):
         assert where.words == (words or "resonator 1 at bead 3 of chain 2")
 
 
-def test_the_second_line_of_a_noun_at_a_chain_is_number_2():
-    frames = engine.run(problem(*[RESONATOR] * 4))
-    further = np.array(frames.further_lines)
-    further[10, 1, 3, 2] += 0.5
-    where = errors_of([replace(frames, further_lines=further)], [frames])["velocity"].where
-    assert where.words == "resonator 2 at bead 3 of chain 2"
-
-
-@pytest.mark.parametrize("noun", ["resonator", "pendulum", ""])
-def test_the_place_of_an_error_is_read_as_it_was_written_and_as_earlier_versions_wrote_it(noun):
-    place = DeviationPlace(2, 3, 1.5, noun, 2 if noun else 0)
-    assert DeviationPlace.from_plain(**ErrorPlace(**place.plain()).plain()) == place
-    earlier = {"chain": 2, "bead": 3, "time": 1.5, "resonator": place.number}
-    assert place.plain() == (earlier | {"noun": noun} if noun == "pendulum" else earlier)
-
-
 def test_the_budget_has_the_energy_of_each_noun_and_closes(mixed):
     account = AccountMeter(mixed.problem).read([mixed])
     assert list(account.other_atoms) == ["pendulums"]
@@ -152,9 +104,3 @@ def test_the_budget_has_the_energy_of_each_noun_and_closes(mixed):
     values = ClosedAccount(**vars(account), closed=0.0, between_frames=0.0, stated=None)
     ((panel,),) = BudgetMeasurement(mixed.problem, values).sheet().rows
     assert {"resonators", "pendulums"} <= {layer.name for layer in panel.layers}
-
-
-def test_slow_atoms_are_called_by_their_noun_where_no_pulse_leads():
-    slow = {"mass": 3.0, "stiffness": 0.1}
-    system = problem(PENDULUM, PENDULUM, resonators=slow).system
-    assert physics.why_no_pulse(system).startswith("pendulums of angular frequency 0.183 / T are slower than a pulse")

@@ -1,13 +1,10 @@
 """The builder of the site: pages with several headings of the first level become one page a section, with contents."""
 
-import re
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import pytest
-from processes import HANGS
 
 SITE = Path(__file__).parents[1] / ".github" / "site"
 
@@ -22,65 +19,6 @@ def build():
         yield build
     for name in ("build", "sections"):
         del sys.modules[name]
-
-
-PAGE = """# All keys
-
-What they are, see [beads](#beads-gap).
-
-# The chains
-
-## beads, gap
-
-How many: `n: 2`, and how far. More.
-
-```yaml
-# no heading
-## nor this
-```
-
-## walls
-
-| key | meaning |
-|---|---|
-
-# Time and output
-
-Until when.
-
-## duration
-
-The end of the run, see [walls](#walls) and [the model](MODEL.md#end).
-"""
-
-
-def test_each_section_becomes_a_page_that_the_contents_link_with_its_first_sentence(build):
-    page = build.sections.cut(PAGE, "scene")
-    assert page.overview == (
-        "# All keys\n\nWhat they are, see [beads](#beads-gap).\n\n## The chains\n\n"
-        "- [beads, gap](scene-beads-gap.md): How many.\n- [walls](scene-walls.md)\n\n"
-        "## Time and output\n\nUntil when.\n\n"
-        "- [duration](scene-duration.md): The end of the run, see [walls](#walls) and [the model](MODEL.md#end).\n"
-    )
-    assert [one.name for one in page.sections] == ["scene-beads-gap.md", "scene-walls.md", "scene-duration.md"]
-    assert page.sections[0].text.startswith("# beads, gap\n\nHow many")
-    assert page.sections[0].text.endswith("## nor this\n```\n")
-
-
-@pytest.mark.parametrize(
-    ("path", "link", "moved"),
-    [
-        ("folder/ALL.md", "#walls", "scene-walls.md"),
-        ("folder/OTHER.md", "ALL.md#walls", "scene-walls.md"),
-        ("README.md", "folder/ALL.md#walls", "folder/scene-walls.md"),
-        ("other/README.md", "../folder/ALL.md#the-chains", "../folder/ALL.md#the-chains"),
-        ("other/README.md", "../folder/ALL.md", "../folder/ALL.md"),
-        ("other/README.md", "#walls", "#walls"),
-    ],
-)
-def test_links_lead_to_the_page_of_a_section_from_wherever_they_stand(build, path, link, moved):
-    places = build.sections.moved("folder/ALL.md", build.sections.cut(PAGE, "scene"))
-    assert build.sections.relinked(f"see [this]({link}).", path, places) == f"see [this]({moved})."
 
 
 def test_every_page_of_the_site_has_one_heading_of_the_first_level_and_loses_no_line(build):
@@ -103,21 +41,3 @@ def test_every_section_is_in_the_navigation_below_its_part(build):
         for section in page.sections:
             assert f"'{section.title}': '{folder}/{section.name}'" in text
             assert f"'{section.part}': [" in text
-
-
-def test_keys_in_tables_are_words_that_no_line_breaks_and_other_code_is_as_it_was(build):
-    row = "| `a_key`, `two-words` | `a: {b: 1}` | `x\\|y` |"
-    made = '| <code class="word">a&#x5F;key</code>, <code class="word">two-words</code> | `a: {b: 1}` | `x\\|y` |'
-    assert build.unbroken(f"`a_key`\n{row}\n") == f"`a_key`\n{made}\n"
-    assert re.search(r"code\.word \{[^}]*white-space: nowrap", (SITE / "narrow.css").read_text())
-
-
-@pytest.mark.parametrize(("words", "code"), [(["--help"], 0), (["--pages"], 2)])
-def test_without_the_extra_the_builder_prints_its_help_or_what_to_install_and_no_traceback(words, code, tmp_path):
-    command = [sys.executable, "-S", str(SITE / "build.py"), "-o", str(tmp_path / "site"), *words]  # -S: no packages
-    done = subprocess.run(command, capture_output=True, text=True, timeout=HANGS, check=False)
-    assert done.returncode == code
-    assert (done.stdout if code == 0 else done.stderr).startswith("usage: build.py")
-    assert "Traceback" not in done.stderr
-    assert code == 0 or done.stderr.endswith("`pip install '.[view,site]'` in the repository does\n")
-    assert not (tmp_path / "site").exists()

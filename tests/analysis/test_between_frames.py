@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from synthetic_waves import of_keys, surveyed
 
-from analysis.between_frames import interpolated, pairs_in
+from analysis.between_frames import interpolated
 from analysis.gauges.gauge import gauges
-from analysis.meters import parts_of
 from analysis.trajectory import Trajectory
 from workflow.engines.reference import engine
 from workflow.measures.forces.force_meter import ForceMeter
@@ -78,7 +77,7 @@ def cases(names, strides):
 
 
 @pytest.mark.parametrize(("name", "stride"), cases(LED, [10]))
-def test_energies_of_chains_and_waves_are_as_uncertain_as_stated(name, stride):
+def test_energies_of_chains_waves_and_pulses_are_as_uncertain_as_stated(name, stride):
     fine, coarse = surveyed(dense(name)), surveyed(thinned(dense(name), stride))
     beads = [found.shared.bead[found.energies.place] for found in (fine, coarse)]
     _, here, there = np.intersect1d(*beads, return_indices=True)
@@ -91,21 +90,15 @@ def test_energies_of_chains_and_waves_are_as_uncertain_as_stated(name, stride):
         assert np.all(np.abs(value - true)[known] <= error[known] + ROUNDING)
         stated += int(known.sum())
     assert stated > 0
-
-
-@pytest.mark.parametrize(("name", "stride"), cases(LED, [10]))
-def test_the_energy_of_a_pulse_is_as_uncertain_as_stated(name, stride):
-    coarse, fine = surveyed(thinned(dense(name), stride)), surveyed(dense(name))
     for found, place in zip(coarse.characters, coarse.pulses, strict=True):
-        if not np.isfinite(found.energy):
-            continue
         true = [
             one.energy
             for one, other in zip(fine.characters, fine.pulses, strict=True)
             if (other.chain, other.direction, one.bead) == (place.chain, place.direction, found.bead)
             and abs(one.arrival - found.arrival) < 0.5
         ]
-        assert all(abs(found.energy - one) <= found.energy_error + ROUNDING for one in true if np.isfinite(one))
+        known = [one for one in true if np.isfinite([one, found.energy]).all()]
+        assert all(abs(found.energy - one) <= found.energy_error + ROUNDING for one in known)
 
 
 # --- forces -----------------------------------------------------------------------------------------------------------
@@ -153,7 +146,7 @@ def checked(fine: Readings, coarse: Readings) -> int:
     return stated
 
 
-@pytest.mark.parametrize(("name", "stride"), cases(SCENES, [2, 10]))
+@pytest.mark.parametrize(("name", "stride"), [*cases(SCENES, [10]), *cases(FAST, [2])])
 def test_forces_are_as_uncertain_as_stated(name, stride):
     coarse = read(thinned(dense(name), stride))
     assert checked(forces(name), coarse) > 0 or (name == "light beads under a large load" and stride > 4)
@@ -175,14 +168,6 @@ def test_frames_too_far_apart_for_the_forces_between_them_state_none():
     assert np.isfinite(found.force).all()
 
 
-def test_a_largest_force_is_none_that_a_frame_exceeds():
-    """Bead 1 touches the left wall, which bears no weight, and is kicked away from it and its dashpot."""
-    found = forces("column")
-    assert found.gauges[0].name == "left wall"
-    assert found.force[0, 0, 0] == found.static[0, 0]
-    assert np.all(found.largest >= found.force.max(axis=0))
-
-
 # --- polynomials ------------------------------------------------------------------------------------------------------
 
 
@@ -201,17 +186,3 @@ def test_an_energy_that_jumps_between_frames_is_uncertain_by_the_jump():
     known = np.array([[0.5, 0.0, 0.0], [0.4, 0.0, 0.0]])
     found = interpolated(known[..., np.newaxis], np.array([0.5]), 0.7)
     assert 0.1 <= found.uncertainty[0] < 0.3
-
-
-def test_instants_are_found_once_wherever_blocks_begin():
-    run = dense("coupled")
-    times = np.array([0.0, 0.02, 0.349, 0.351, 1.0, np.nan, run.time[-1] - 0.01])
-    for size in (1, 2, 7, 100):
-        seen = {}
-        for part in parts_of(run[start : start + size] for start in range(0, run.frames, size)):
-            block, *pairs = pairs_in(part, times)
-            for entry, frame, share in zip(*pairs, strict=True):
-                assert int(entry) not in seen
-                seen[int(entry)] = block.time[frame] + share * DENSE
-        assert sorted(seen) == [0, 1, 2, 3, 4, 6]
-        assert [seen[entry] for entry in sorted(seen)] == pytest.approx(times[np.isfinite(times)], abs=1e-12)

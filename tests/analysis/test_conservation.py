@@ -57,27 +57,6 @@ def test_kicks_that_cancel_have_a_momentum_to_keep():
     assert seen(run(two)).momentum_drift < 1e-14
 
 
-@pytest.mark.parametrize("cut", [1, 50, 100])
-def test_blocks_add_up_to_the_whole(cut, found):
-    whole, parts = seen(found), seen(found[:cut], found[cut:])
-    assert vars(whole) == vars(parts)
-
-
-def test_the_worst_frame_of_any_block_counts(found):
-    wrong = found.velocity.copy()
-    wrong[10] *= 1.1
-    spoiled = replace(found, velocity=wrong)
-    assert seen(spoiled[:30], spoiled[30:]).energy_drift == seen(spoiled).energy_drift > 0.01
-
-
-def test_frames_time_and_front_are_those_seen(found):
-    drift = seen(found[:31])
-    assert drift.frames == 31
-    assert drift.last_time == found.time[30]
-    moving = (np.abs(found.velocity[:31]) > 1e-3).any(axis=(0, 1))
-    assert drift.front == np.flatnonzero(moving)[-1] + 1
-
-
 def test_drifts_are_unknown_where_not_all_beads_are_recorded():
     part = run(scene(chains=2, beads=12, kappa=0.1, duration=10.0, recorded=(2, 7)).problem())
     drift = seen(part)
@@ -209,21 +188,6 @@ def test_the_sentence_is_in_the_scenes_units_and_names_the_largest_part_first(si
     assert plain(account, scale)["dissipated"] == {"bead_damping": [0.0, 2.5 * scale.energy]}
     open_account = replace(account, dissipated={"bead_damping": np.array([0.0, 1.0])})
     assert plain(open_account, scale)["missing"] == pytest.approx([0.0, 1.5 * scale.energy])
-
-
-def test_parts_of_the_energy_input_add_up_to_it_also_where_a_static_load_has_done_work():
-    parts = NONE | {"kinetic": np.array([1.0, 0.5]), "contacts": np.array([0.0, -0.25]), "walls": np.array([0.0, 1e-9])}
-    account = Account(np.array([0.0, 7.0]), np.ones(2), **parts, dissipated={"plastic contacts": np.array([0.0, 0.75])})
-    said = account.sentence(make_scale(1.0, 1.0, 1.0, si=False))
-    assert said.endswith(": 75.00% dissipated in plastic contacts, 50.00% kinetic, -25.00% in contacts")
-
-
-@pytest.mark.parametrize(("left", "shares"), [(0.005, True), (0.003, False)])
-def test_of_what_a_drive_took_back_no_shares_are_told(left, shares):
-    """From a thousandth of the most on that it had put in."""
-    parts, scale = NONE | {"kinetic": np.array([4.0, left])}, make_scale(2.0, 3.0, 0.1, si=True)
-    said = Account(np.array([0.0, 7.0]), np.array([4.0, left]), **parts, dissipated={}).sentence(scale)
-    assert said.endswith(": 100.00% kinetic" if shares else f"; before, it was at most {4.0 * scale.energy:.6g} J")
 
 
 def test_energy_before_any_input_is_an_infinite_drift():

@@ -19,23 +19,17 @@ def found(*blocks):
     return OverlapMeter(blocks[0].problem).read(blocks).value
 
 
-def test_it_is_how_far_a_bead_has_come_upon_the_next_of_its_chain():
-    assert found(states([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]], [[0.5, 0.25, 0.75], [0.0, 0.75, 0.125]])) == 0.625
-
-
-def test_a_gap_is_taken_off():
-    assert found(states([[0.75, 0.0, 0.0]], gap=0.5)) == 0.25
-    assert found(states([[0.25, 0.0, 0.0]], gap=0.5)) == -0.25
-
-
-@pytest.mark.parametrize("order", [1, -1])
-def test_blocks_add_up_to_the_whole(order):
-    one, two = states([[0.5, 0.0, 0.0]]), states([[0.0, 0.25, 0.0]])
-    assert found(*(one, two)[::order]) == 0.5
-
-
-def test_the_last_bead_that_moves_and_the_first_at_rest_touch():
-    assert found(states([[0.0, 0.0, 0.5, 0.0, 0.0, 0.0]])) == 0.5
+@pytest.mark.parametrize(
+    ("moved", "gap", "overlap"),
+    [
+        ([[[0.0] * 3, [0.0] * 3], [[0.5, 0.25, 0.75], [0.0, 0.75, 0.125]]], 0.0, 0.625),
+        ([[[0.75, 0.0, 0.0]]], 0.5, 0.25),
+        ([[[0.25, 0.0, 0.0]]], 0.5, -0.25),
+        ([[[0.0, 0.0, 0.5, 0.0, 0.0, 0.0]]], 0.0, 0.5),
+    ],
+)
+def test_it_is_how_far_a_bead_has_come_upon_the_next_of_its_chain_beyond_the_gap(moved, gap, overlap):
+    assert found(states(*moved, gap=gap)) == overlap
 
 
 @pytest.mark.parametrize(

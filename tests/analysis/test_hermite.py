@@ -23,16 +23,6 @@ def test_a_polynomial_of_the_full_degree_is_found_again(nodes, derivatives, spac
     np.testing.assert_allclose(hermite.coefficients(nodes, data, spacing), wanted, rtol=0, atol=1e-10)
 
 
-@pytest.mark.parametrize(("nodes", "derivatives"), CASES)
-def test_values_and_derivatives_at_the_nodes_are_those_given(nodes, derivatives):
-    data = np.random.default_rng(3).uniform(-1, 1, (len(nodes), derivatives))
-    polynomial = hermite.coefficients(nodes, data, 1.0)
-    for order in range(derivatives):
-        for place, node in enumerate(nodes):
-            assert hermite.value(polynomial, np.float64(node)) == pytest.approx(data[place, order], abs=1e-9)
-        polynomial = hermite.derivative(polynomial)
-
-
 @pytest.mark.parametrize(("derivatives", "order"), [(2, 4), (3, 6)])
 def test_the_error_of_a_cosine_falls_with_the_expected_order(derivatives, order):
     spacing = np.array([0.8, 0.56, 0.4, 0.28, 0.2])
@@ -43,13 +33,6 @@ def test_the_error_of_a_cosine_falls_with_the_expected_order(derivatives, order)
         polynomial = hermite.coefficients((0, 1), data[:, :, None] * np.ones(21), h)
         error.append(np.abs(hermite.value(polynomial, s) - np.cos((s - 0.5) * h)).max())
     assert np.polyfit(np.log(spacing), np.log(error), 1)[0] == pytest.approx(order, abs=0.05)
-
-
-def test_many_series_at_once_are_each_by_itself():
-    data = np.random.default_rng(5).uniform(-1, 1, (2, 3, 4, 5))
-    together = hermite.coefficients((0, 1), data, 0.3)
-    assert together.shape == (6, 4, 5)
-    np.testing.assert_allclose(together[:, 2, 3], hermite.coefficients((0, 1), data[:, :, 2, 3], 0.3), rtol=1e-12)
 
 
 @pytest.mark.parametrize("zero", [0.0, 1e-9, 0.25, 1 / 3, 1.0])

@@ -11,22 +11,16 @@ from small_problems import problem
 from synthetic_waves import reference, surveyed
 
 from analysis import motion
-from analysis.meters import AFTER, BEFORE, Meter, measured, parts_of
+from analysis.conservation import ConservationMeter
+from analysis.contacts import OverlapMeter
+from analysis.meters import measured, parts_of
 from analysis.shape.waveforms import reach
 from analysis.sharing.energies import FlowMeter, ShareMeter
 from analysis.sharing.impulses import ImpulseMeter
 from analysis.sharing.survey import survey
-from analysis.tracking.peaks import find_peaks
+from analysis.tracking.peaks import PeakMeter, find_peaks
 from analysis.trajectory import Trajectory
 from lammps_inputs import Kick
-
-
-def numbered(frames):
-    """Frames whose displacement is their number, and whose velocity is minus that."""
-    what = problem(frames=frames)
-    number = np.arange(frames, dtype=float)
-    state = np.broadcast_to(number[:, np.newaxis, np.newaxis], (frames, what.chains, what.beads))
-    return Trajectory(what, number * what.every, state, -state)
 
 
 def cut(run, places):
@@ -37,35 +31,15 @@ def cut(run, places):
 places = st.lists(st.integers(1, 60), max_size=12)
 
 
-@given(st.integers(1, 60), places)
-def test_every_frame_belongs_to_one_part_and_has_its_neighbours_around_it(frames, places):
-    run, after = numbered(frames), 0
-    for part in parts_of(cut(run, places)):
-        assert part.start == after
-        after += part.count
-        first, last = max(0, part.start - BEFORE), min(frames, after + AFTER)
-        assert part.around.displacement[:, 0, 0].tolist() == list(range(first, last))
-        assert part.frames.displacement[:, 0, 0].tolist() == list(range(part.start, after))
-        assert part.to_next.displacement[:, 0, 0].tolist() == list(range(part.start, min(frames, after + 1)))
-        assert part.is_last == (after == frames)
-    assert after == frames
-
-
-@given(st.integers(1, 60), places, st.integers(1, 7))
-def test_every_so_manieth_frame_of_the_run_is_chosen_wherever_blocks_begin(frames, places, stride):
-    chosen = [part.frames.time[part.every(stride)] for part in parts_of(cut(numbered(frames), places))]
-    assert np.concatenate(chosen).tolist() == numbered(frames).time[::stride].tolist()
-
-
 @pytest.fixture(scope="module")
 def gapped():
     return reference(chains=2, beads=12, kappa=0.3, gap=0.4, duration=30.0)
 
 
-def arrays(result):
-    if isinstance(result, np.ndarray):
-        return [result]
-    return [value for value in vars(result).values() if isinstance(value, np.ndarray)]
+def numbers_of(result):
+    """All numbers that a meter's result has, whatever their shapes."""
+    values = [result] if isinstance(result, np.ndarray) else vars(result).values()
+    return [np.asarray(value) for value in values if isinstance(value, np.ndarray | float)]
 
 
 @settings(max_examples=10, deadline=None)
@@ -77,10 +51,15 @@ def test_no_number_depends_on_where_blocks_begin(gapped, places):
         "flow": FlowMeter(gapped.problem),
         "waveforms": found._waveform_meter(),
         "energies": ShareMeter(gapped.problem, found.shared),
+        "maxima": PeakMeter(),
+        "first maxima": PeakMeter(first_only=True),
+        "drifts": ConservationMeter(gapped.problem),
+        "overlap": OverlapMeter(gapped.problem),
     }
     whole, in_blocks = (measured(meters, blocks) for blocks in ([gapped], cut(gapped, places)))
     for name in meters:
-        for expected, value in zip(arrays(whole[name]), arrays(in_blocks[name]), strict=True):
+        assert numbers_of(whole[name])
+        for expected, value in zip(numbers_of(whole[name]), numbers_of(in_blocks[name]), strict=True):
             np.testing.assert_allclose(value, expected, rtol=0.0, atol=1e-9 if name == "energies" else 0.0)
 
 
@@ -168,17 +147,3 @@ def test_energies_of_waves_in_a_window_are_those_of_all_beads_or_undefined_where
     tail = np.where(first[after] > 1, first[after] + reach(run.problem) + 2, 1)
     inside = meters["energies"]._peaks[0] >= tail[:, np.newaxis]
     np.testing.assert_array_equal(np.isfinite(values[:, inside]), np.isfinite(expected[:, inside]))
-
-
-def test_a_run_without_frames_has_no_parts_and_no_result():
-    class Frames(Meter):
-        def of_part(self, part):
-            return part.count
-
-        def result(self, pieces):
-            return sum(pieces)
-
-    assert Frames().read(cut(numbered(9), [4])) == 9
-    assert list(parts_of([])) == []
-    with pytest.raises(ValueError, match="no frames to measure"):
-        Frames().read([])

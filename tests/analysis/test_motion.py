@@ -27,10 +27,6 @@ def random_state(like, seed=1):
     return Trajectory(like, np.zeros(1), x, rng.uniform(-1, 1, x.shape))
 
 
-def test_an_overlap_is_positive_where_beads_press_and_counts_from_the_gap():
-    np.testing.assert_allclose(motion.overlaps(problem(gap=0.25).system, np.array([[1.0, 0.25, 0.5]])), [[0.5, -0.5]])
-
-
 @pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
 def test_acceleration_is_minus_the_slope_of_the_energy(chains, kappa, gap):
     state = random_state(problem(chains, kappa, gap))
@@ -43,16 +39,6 @@ def test_acceleration_is_minus_the_slope_of_the_energy(chains, kappa, gap):
         slope = (motion.energy(like.system, x + shift, v) - motion.energy(like.system, x - shift, v)) / (2 * h)
         # the third derivative of 2/5 r^2.5 is below r^-0.5: 3 h^1.5 at an opening contact, and rounding 10 eps / h
         assert -slope == pytest.approx(acceleration[place], abs=3 * h**1.5 + 2e-10)
-
-
-@pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
-def test_power_adds_up_to_nothing(chains, kappa, gap):
-    state = random_state(problem(chains, kappa, gap))
-    acceleration = everywhere(state)[0][0]
-    h = 1e-5  # along the motion: x + h v, v + h a
-    x, v = state.displacement[0], state.velocity[0]
-    ahead, behind = (motion.energy(state.problem.system, x + s * v, v + s * acceleration) for s in (h, -h))
-    assert (ahead - behind) / (2 * h) == pytest.approx(0.0, abs=9 * chains * (3 * h**1.5 + 2e-10))
 
 
 @pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
@@ -81,28 +67,12 @@ def test_the_rate_is_the_slope_of_the_acceleration(chains, kappa, gap):
     assert np.median(np.abs(slope - rate[1:-1])) < h**2
 
 
-def test_a_bead_at_rest_beside_nothing_feels_nothing():
-    acceleration, rate = everywhere(random_state(problem(chains=1, kappa=None, gap=3.0)))
-    assert not acceleration.any()
-    assert not rate.any()
-
-
 def test_the_energy_of_one_contact_and_one_spring_is_their_sum():
     x = np.zeros((2, 9))
     x[0, 8] = -0.5  # presses on bead 8, and stretches its spring
     assert motion.energy(problem().system, x, np.zeros((2, 9))) == pytest.approx(
         0.4 * 0.5**2.5 + 0.05 * 0.25, rel=1e-15
     )
-
-
-def test_energy_and_momentum_of_many_frames_are_those_of_each():
-    found = run(problem(), steps_per_frame=2)
-    for frame in (0, 17, 60):
-        one = motion.energy(found.problem.system, found.displacement[frame], found.velocity[frame])
-        assert motion.energy(found.problem.system, found.displacement, found.velocity)[frame] == one
-        assert motion.momentum(found.problem.system, found.velocity)[frame] == motion.momentum(
-            found.problem.system, found.velocity[frame]
-        )
 
 
 def test_the_participation_number_is_one_over_the_sum_of_squared_shares_of_the_beads_energies():

@@ -4,17 +4,12 @@ import numpy as np
 import pytest
 
 from analysis.quantity import (
-    Quantity,
     declare,
-    declared,
     derived,
-    headings,
     plain,
     result,
     table,
     to_csv,
-    walk,
-    written,
 )
 from lammps_inputs.units import make_scale
 
@@ -62,18 +57,3 @@ def test_a_csv_table_has_a_column_for_each_quantity_headed_by_its_unit_and_nothi
     column = Passage(np.array([3, 4]), np.array([5.0, np.nan]))
     time = 5.0 * scale.time
     assert to_csv(table(column, scale)).splitlines() == [head, f"3,{time!r},{2.0 * time!r}", "4,,"]
-
-
-def test_a_printed_cell_is_in_the_unit_of_its_heading_and_a_dash_where_undefined():
-    assert headings(Passage, SCALE, {"time": "arrival", "bead": "bead"}) == ["arrival (s)", "bead"]
-    assert written(RESULT.passages[0], "time", SCALE, ".3g") == f"{5.0 * SCALE.time:.3g}"
-    assert written(RESULT.passages[2], "time", SCALE, ".3g") == "-"
-
-
-def test_a_property_means_what_its_docstring_says():
-    assert declared(Passage)["double"][0] == Quantity("twice that", "time")
-
-
-def test_a_type_is_walked_to_the_quantities_within_its_quantities():
-    paths = ["/".join(path) for path, _ in walk(list[Result])]
-    assert paths == ["passages", "passages/bead", "passages/time", "passages/double", "speed", "size"]

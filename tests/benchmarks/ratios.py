@@ -8,15 +8,11 @@ some five minutes and 2 GB of temporary files. Absolute times are noise; only th
 | window       | a window beside complete chains, and the time of a window by the length of the chains          |
 | reader       | deck, frames and reader beside a plain deck, a text dump and MDAnalysis's own reader           |
 | check        | the check of a run beside the run                                                              |
-| sweep        | a sweep with one worker process and with two                                                   |
-| reference    | the reference integrator beside SciPy's DOP853 at the same error; walls beside none            |
-| collisions   | a collision of rigid beads beside a force on all beads, in chains of any length                |
+| reference    | the reference integrator beside SciPy's DOP853 at the same error                               |
 """
 
 import contextlib
-import functools
 import statistics
-import subprocess
 import sys
 import tempfile
 import time
@@ -37,15 +33,11 @@ from analysis.quantity import csv_of
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import PeakMeter, find_peaks
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem, Scene, System, file_names, library, physics, strict_yaml
-from lammps_inputs.chains import coupled_chains
+from lammps_inputs import Problem, Scene, file_names, library, physics
 from lammps_inputs.decks import deck, scene_files
 from lammps_inputs.numbers import text
-from lammps_inputs.rows import Rows
-from lammps_inputs.units import DIMENSIONLESS
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.lammps import mpi
-from workflow.engines.lammps.mpi import cores
 from workflow.engines.reference import engine as reference
 from workflow.engines.reference.step_halving import accurate_reference
 from workflow.runs.run import run
@@ -85,11 +77,11 @@ def ratio_of(name: str, pairs: Sequence[tuple[float, float]], goal: float, *, be
     return make_ratio(name, statistics.median(values), goal, detail, below=below)
 
 
-def seconds(work: Callable[[], object], clock: Callable[[], float] = time.perf_counter) -> float:
-    """Seconds of a call by a clock."""
-    started = clock()
+def seconds(work: Callable[[], object]) -> float:
+    """Seconds of a call."""
+    started = time.perf_counter()
     work()
-    return clock() - started
+    return time.perf_counter() - started
 
 
 def coupled_scene(chains: int, beads: int, duration: float, **keys: Any) -> Scene:
@@ -163,10 +155,6 @@ def _run(case: Scene, directory: Path) -> float:
 
 # --- runs -------------------------------------------------------------------------------------------------------------
 
-CASES = 200
-
-SPEED_UP = 1.8
-
 
 def check_ratios(root: Path) -> Iterator[Ratio]:
     """Measuring a run's error against the run, from its start as a process to its last frame."""
@@ -177,21 +165,6 @@ def check_ratios(root: Path) -> Iterator[Ratio]:
             assert done.check is not None
             pairs.append((done.directory.job.wall_seconds, done.check.seconds))
         yield ratio_of(f"check / run, {label}", pairs[1:], 0.1, below=True)
-
-
-def sweep_ratios(root: Path) -> Iterator[Ratio]:
-    """The whole command, its start included, with one process and with two."""
-    couplings = [float(f"{value:.6g}") for value in np.geomspace(0.01, 1.0, CASES)]
-    plain = coupled_scene(2, 120, 192.0, output={"every": 0.2}).plain()
-    (root / "sweep.yaml").write_text(strict_yaml.dump({"scene": plain, "vary": {"coupling.stiffness": couplings}}))
-    took = {}
-    for jobs in (2, 1):
-        command = [sys.executable, "-m", "workflow", *f"sweep sweep.yaml -o {jobs} --jobs {jobs}".split()]
-        work = functools.partial(subprocess.run, command, cwd=root, check=True, stdout=subprocess.DEVNULL)
-        took[jobs] = seconds(work)
-    detail = f"{took[1]:.4g} s, {took[2]:.4g} s; {cores()} cores, {took[1] / CASES:.2g} s a case"
-    goal = SPEED_UP if cores() > 1 else 0.0
-    yield make_ratio(f"sweep of {CASES} cases of 2 x 120, 1 process / 2", took[1] / took[2], goal, detail)
 
 
 # --- reader -----------------------------------------------------------------------------------------------------------
@@ -314,24 +287,6 @@ def reference_ratios(_root: Path) -> Iterator[Ratio]:
         first = min(seconds(lambda: reference.run(ends, steps_per_frame=ours * problem.frames)) for _ in range(3))
         pairs.append((first, seconds(lambda: scipy_velocities(problem, tolerance))))
     yield ratio_of("scipy DOP853 / reference at an error of 1e-6", pairs, 100.0)
-    yield wall_ratio("no dashpots")
-    yield wall_ratio("dashpots", damping={"contact": 0.1, "law": "viscoelastic"})
-
-
-def wall_ratio(name: str, **keys: Any) -> Ratio:
-    """Chains between walls beside others."""
-    kicked = {"kick": {"bead": 150, "velocity": 1.0}, "output": {"every": 1.0}, **keys}
-    alone, between = (
-        coupled_scene(4, 300, 300.0, **kicked, **walls).problem()
-        for walls in ({}, {"walls": {"left": "bead", "right": "bead"}})
-    )
-    pairs = [(run_seconds(alone), run_seconds(between)) for _ in range(6)][1:]  # the first compiles
-    return ratio_of(f"walls / none, {name}", pairs, 1.25, below=True)
-
-
-def run_seconds(problem: Problem) -> float:
-    """Seconds of a run by the reference."""
-    return seconds(lambda: reference.run(problem))
 
 
 def last_velocities(problem: Problem, steps_per_frame: int) -> Floats:
@@ -355,74 +310,11 @@ def scipy_velocities(problem: Problem, tolerance: float) -> Floats:
     return np.asarray(found.y[count:, -1].reshape(shape))
 
 
-# --- collisions -------------------------------------------------------------------------------------------------------
-
-EVENTS = 100_000
-COLLISION_ROWS = (100, 1_000, 10_000, 100_000)
-PER_ROW = 3
-"""Collisions of one row that are timed: the same early part of the motion whatever the length."""
-
-
-def collision_ratios(_root: Path) -> Iterator[Ratio]:
-    """A collision beside a force at N = 2, and in chains of 100 to 100,000 rows; about 20 s."""
-    from workflow.plugins.rigid import engine as collisions  # the other parts do without that plug-in
-
-    collisions.run(crowd(100), max_events=1)  # loads the compiled loop
-    pairs = [(collision_seconds(1_000), force_seconds(crowd(1_000))) for _ in range(7)]
-    yield ratio_of("a force on all 2 x 1000 beads in numpy / a collision", pairs, 40.0)
-    rounds = [[collision_seconds(rows) for rows in COLLISION_ROWS] for _ in range(5)]
-    value = statistics.median(max(each) / each[0] for each in rounds)
-    medians = [1e6 * statistics.median(each) for each in zip(*rounds, strict=True)]
-    detail = ", ".join(f"{rows:,}: {each:.2f} us" for rows, each in zip(COLLISION_ROWS, medians, strict=True))
-    name = f"largest cost of a collision in up to {COLLISION_ROWS[-1]:,} rows / in {COLLISION_ROWS[0]}"
-    yield make_ratio(name, value, 1.3, detail, below=True)
-
-
-def force_seconds(problem: Problem, times: int = 2000) -> float:
-    """Of the forces on all beads by arrays."""
-    displacement = np.random.default_rng(0).normal(scale=0.1, size=(problem.chains, problem.beads))
-    return seconds(lambda: [motion.acceleration(problem.system, displacement) for _ in range(times)]) / times
-
-
-def collision_seconds(rows: int) -> float:
-    """Of the processor for one collision, without the start, which predicts every pair once."""
-    from workflow.plugins.rigid import engine as collisions
-
-    count, found = PER_ROW * rows, []
-    for seed in range(max(1, EVENTS // count)):
-        problem = crowd(rows, seed)
-        start, whole = (
-            seconds(lambda: collisions.run(problem, max_events=events), time.process_time)  # noqa: B023
-            for events in (0, count)
-        )
-        found.append((whole - start) / count)
-    return statistics.mean(found)
-
-
-def crowd(rows: int, seed: int = 0) -> Problem:
-    """Two chains in which every bead is kicked at random, theta = 1, with no end in sight."""
-    random = np.random.default_rng(seed)
-    velocity = random.choice([-1.0, 1.0], (2, rows)) * random.uniform(0.2, 1.0, (2, rows))
-    velocity /= np.abs(velocity).max()
-    kicks = tuple((chain + 1, row + 1, float(velocity[chain, row])) for row in range(rows) for chain in range(2))
-    return Problem(
-        name="crowd",
-        system=System(chains=2, beads=rows, kicks=kicks, links=coupled_chains(2, 0.5, 1.0)),
-        timestep=1e6,
-        steps_per_frame=1,
-        frames=1,
-        rows=Rows(rows),
-        scale=DIMENSIONLESS,
-    )
-
-
 PARTS: dict[str, Callable[[Path], Iterator[Ratio]]] = {
     "window": window_ratios,
     "reader": reader_ratios,
     "check": check_ratios,
-    "sweep": sweep_ratios,
     "reference": reference_ratios,
-    "collisions": collision_ratios,
 }
 
 

@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 import ratios
-from ratios import coupled_scene, ratio_of
+from ratios import coupled_scene
 
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
-from workflow.cli import main
 from workflow.runs.run import run
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -31,22 +30,3 @@ def test_the_reference_reaches_in_one_run_what_scipy_reaches():
     problem = coupled_scene(2, 120, 5.0).problem()
     difference = np.abs(ratios.last_velocities(problem, 16) - ratios.scipy_velocities(problem, 1e-12))
     assert np.max(difference) < 1e-8
-
-
-@pytest.mark.parametrize(("value", "below", "reached"), [(2.0, False, False), (3.0, False, True), (3.0, True, False)])
-def test_a_ratio_says_whether_it_reached_its_goal(value, below, reached):
-    assert ratio_of("x", [(1.0, value)], 2.5, below=below).reached is reached
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("pool_here")
-def test_the_sweeps_have_all_cases(tmp_path, monkeypatch):
-    def swept(command, *, cwd, **_):
-        monkeypatch.chdir(cwd)
-        assert main(command[3:]) == 0  # without the start of Python
-
-    monkeypatch.setattr(ratios.subprocess, "run", swept)
-    monkeypatch.setattr(ratios, "CASES", 2)
-    (ratio,) = ratios.sweep_ratios(tmp_path)
-    assert ratio.value > 0.0
-    assert all(len(list(tmp_path.glob(f"{jobs}/*/analysis.json"))) == 2 for jobs in (1, 2))

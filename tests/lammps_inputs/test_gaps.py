@@ -8,10 +8,7 @@ from plain_scene import scene
 from lammps_inputs import library
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import StepHalving
-from workflow.plugins.rigid import engine as rigid
 from workflow.sweep import fields
-
-GAPS = (0.3, 0.1, 0.2, 0.5, 0.4)
 
 
 def gapped(gap, **changes):
@@ -41,21 +38,6 @@ def test_a_single_gap_is_a_field_of_sweeps():
     changed = library.from_plain(fields.put_all(plain, {"gap.contacts.3": 0.4}), "test")
     np.testing.assert_array_equal(changed.gaps, [[0.1, 0.0, 0.4, 0.0, 0.0]])
     assert fields.label(fields.parse("gap.contacts.3", plain), plain).plain == "gap, contact 3 (reduced)"
-
-
-def test_rigid_beads_collide_after_the_sums_of_their_gaps():
-    events = rigid.run(gapped(GAPS).problem())
-    np.testing.assert_allclose(events.time, np.cumsum(GAPS), rtol=1e-15)
-    np.testing.assert_array_equal(events.row, [1, 2, 3, 4, 5])
-    assert np.all(events.striker == 1.0)
-
-
-def test_rigid_beads_kicked_towards_each_other_exchange_velocities_where_their_paths_cross():
-    kicks = [{"bead": 1, "velocity": 1.0}, {"bead": 3, "velocity": -0.5}]
-    events = rigid.run(gapped([0.3, 0.5], beads=3, kick=kicks, duration=1.0).problem())
-    # bead 1 meets bead 2 at 0.3; bead 2, then of velocity 1, is 0.35 from bead 3, which approaches with 0.5
-    np.testing.assert_allclose(events.time[:2], [0.3, 0.3 + 0.35 / 1.5], rtol=1e-15)
-    np.testing.assert_allclose(events.impulse[:2], [1.0, 1.5], rtol=1e-15)
 
 
 def test_a_collision_of_two_spheres_with_gaps_delays_the_second_by_half_its_duration():

@@ -1,29 +1,23 @@
 import sys
-from typing import get_args
 
 import numpy as np
 import pytest
-from bad_scenes import assert_one_line, scene_text
+from bad_scenes import assert_one_line
 from hypothesis import given
 from hypothesis import strategies as st
-from strategies import VALUES, YAML_LIKE
+from strategies import VALUES
 
 from lammps_inputs import (
     InputError,
     Scene,
     complaints,
     find,
-    installed_scenes,
     library,
-    load,
-    materials,
     physics,
     references,
     strict_yaml,
 )
 from lammps_inputs.ingredients import registry
-
-PAPER = ["one-chain", "three-chains", "two-chains", "two-chains-steel", "two-chains-strong"]
 
 
 def parts(model):
@@ -44,15 +38,6 @@ def scene_or_one_line(data):
         assert_one_line(error, "here: ")
     else:
         assert isinstance(scene, Scene)
-
-
-@given(YAML_LIKE | st.text())
-def test_any_text_gives_a_scene_or_one_line(text):
-    try:
-        data = strict_yaml.parse(text, "here")
-    except InputError:
-        return
-    scene_or_one_line(data)
 
 
 KEYS = st.text(max_size=12) | st.sampled_from(list(Scene.model_fields))
@@ -80,17 +65,6 @@ def test_any_positive_numbers_give_a_scene_or_one_line(numbers):
             "output": {"every": every},
         }
     )
-
-
-def test_the_scenes_of_the_paper_are_installed():
-    assert set(installed_scenes.installed()) >= set(PAPER)
-
-
-@pytest.mark.parametrize("name", installed_scenes.installed())
-def test_an_installed_scene_has_its_own_name_and_says_what_it_is(name):
-    scene = find(name)
-    assert scene.name == name
-    assert scene.description
 
 
 @pytest.mark.parametrize(
@@ -129,35 +103,11 @@ def test_a_material_by_name_is_one_with_its_constants_but_for_those_given():
     assert references.of_scene(found)["material"] == ["daraio2005", "daraio2006"]
 
 
-def test_every_material_may_be_named_and_has_a_source():
-    assert set(get_args(materials.Name)) == set(materials.CATALOGUE)
-    assert {solid.source for solid in materials.CATALOGUE.values()} <= set(references.bibtex())
-
-
-@pytest.mark.parametrize("file", ["mine.yaml", "mine.yml", "mine", "two-chains.yaml"])
-def test_a_file_of_the_user_works_under_any_name(file, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / file).write_text(scene_text(name="mine"))
-    assert find(file) == load(tmp_path / file)
-    assert find(file).name == "mine"
-
-
-def test_one_kick_and_a_list_of_one_kick_are_the_same():
-    one, several = (
-        library.from_plain(strict_yaml.parse(scene_text(kick=kick), "here"), "here")
-        for kick in ("{velocity: 1}", "[{velocity: 1}]")
-    )
-    assert one == several
-
-
 @pytest.mark.parametrize(
     ("source", "says"),
     [
         (None, "ModuleNotFoundError"),
-        ("raise SystemExit(3)", "SystemExit: 3"),
         ("def f(:", "SyntaxError"),
-        ("x = 1", "no attribute 'INGREDIENTS'"),
-        ("INGREDIENTS = [1]", "should hold keys of a scene"),
         ("INGREDIENTS = {'bed': 3}", "should hold keys of a scene"),
     ],
 )

@@ -6,7 +6,6 @@ from importlib.metadata import EntryPoint, EntryPoints
 import pytest
 
 from lammps_inputs import InputError, plugins
-from lammps_inputs.ingredients import registry
 
 
 @dataclass(frozen=True)
@@ -31,10 +30,6 @@ def test_parts_of_granchain_come_first_and_those_of_others_by_name(monkeypatch):
     assert list(declared("ingredients")) == ["b", "c", "a"]
 
 
-def test_studies_may_be_absent(monkeypatch):
-    assert declare(monkeypatch)("studies") == {}
-
-
 def test_an_installation_without_what_is_needed_is_refused_with_what_to_do(monkeypatch):
     with pytest.raises(InputError, match=r"its installation declares no ingredients; install it again: `pip install"):
         declare(monkeypatch, point("a", "x:A", "other"))("ingredients")
@@ -51,15 +46,3 @@ def test_a_part_of_another_distribution_that_cannot_be_imported_is_named(monkeyp
     monkeypatch.setattr(plugins, "declared", lambda kind: {"a": broken})  # noqa: ARG005
     with pytest.raises(InputError, match=r"other: no_such_module:A, declared as 'a' of granchain\.studies, cannot be"):
         plugins.load("studies", "a")
-
-
-def test_what_a_distribution_declares_as_an_ingredient_is_refused_unless_it_is_a_class_of_one(monkeypatch):
-    monkeypatch.setattr(plugins, "declared", lambda kind: {"bed": point("bed", "math:pi", "other")})  # noqa: ARG005
-    with pytest.raises(InputError, match=r"^granchain\.ingredients: bed = math:pi should be a key of a scene and a"):
-        registry._of_distributions()
-
-
-def test_a_part_that_no_installed_distribution_declares_is_refused_by_its_name(monkeypatch):
-    monkeypatch.setattr(plugins, "declared", lambda kind: {})  # noqa: ARG005
-    with pytest.raises(InputError, match=r"^view: no installed distribution declares it as one of granchain.fun"):
-        plugins.load("functions", "view")

@@ -9,7 +9,7 @@ from stock_lammps import WHEEL, scene
 
 from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import file_names, scheme
-from lammps_inputs.decks import deck, scene_files
+from lammps_inputs.decks import scene_files
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import SUZUKI4
 
@@ -68,13 +68,6 @@ def test_suzuki_converges_faster_than_its_cost_grows():
     assert 2.0 < np.log2(errors[0] / errors[1]) < 4.5
 
 
-def test_a_scene_without_a_scheme_names_none_in_its_deck():
-    text, named = (deck.render_deck(scene(beads=30, **given).problem()) for given in ({}, {"scheme": "verlet"}))
-    assert text.endswith("timestep ${timestep}\nrun ${steps}\n")
-    assert "outer" not in text
-    assert named == text
-
-
 def test_a_release_that_would_keep_the_old_step_is_refused(lmp_of, tmp_path):
     scene_files.write(scene(scheme="suzuki4", timestep=0.02, every=0.1), tmp_path)
     words = [lmp_of("2021"), "-in", file_names.DECK]
@@ -82,15 +75,6 @@ def test_a_release_that_would_keep_the_old_step_is_refused(lmp_of, tmp_path):
     assert done.returncode == 1
     assert scheme.TOO_OLD in done.stdout
     assert not (tmp_path / file_names.DUMP).exists()
-
-
-def test_the_log_of_a_composition_does_not_grow_with_its_steps(tmp_path):
-    sizes = []
-    for duration in (1.0, 20.0):
-        directory = tmp_path / str(duration)
-        deck_run(scene(scheme="suzuki4", timestep=0.02, every=0.1, duration=duration), directory)
-        sizes.append((directory / file_names.LOG).stat().st_size)
-    assert abs(sizes[1] - sizes[0]) < 100
 
 
 def test_a_step_that_does_not_fit_a_cycle_is_refused_with_one_that_does():

@@ -63,35 +63,6 @@ def test_hertz_constant_is_that_of_johnson_for_equal_spheres():
     assert units.hertz_constant(radius, modulus, ratio) == pytest.approx(johnson, rel=1e-14)
 
 
-def test_every_quantity_of_steel_has_its_si_unit_and_a_reduced_one_none():
-    names = ("mass", "length", "velocity", "time", "stiffness", "force", "momentum", "energy", "speed")
-    assert [BALL.symbol(name) for name in names] == ["kg", "m", "m/s", "s", "N/m", "N", "kg m/s", "J", "beads/s"]
-    assert units.make_scale(1.0, 1.0, 1.0, si=False).symbol("velocity") == "reduced"
-
-
-@pytest.mark.parametrize(
-    ("label", "mathtext", "plain"),
-    [
-        (units.Label("time", "t", "ms"), "time $t$ (ms)", "time t (ms)"),
-        (units.Label("amplitude", "v", "V"), "amplitude $v / V$", "amplitude v / V"),
-        (units.Label("error of velocities", "", "V"), "error of velocities / $V$", "error of velocities / V"),
-        (units.Label("residual energy", "", "energy input"),) + 2 * ("residual energy / energy input",),
-        (units.Label("coupling", "\\kappa"), "coupling $\\kappa$", "coupling κ"),
-        (units.Label("lag", "\\Delta t", "s"), "lag $\\Delta t$ (s)", "lag Δt (s)"),
-        (
-            units.Label("contact constant", "A", "N/m^1.5"),
-            "contact constant $A$ (N/m$^{1.5}$)",
-            "contact constant A (N/m^1.5)",
-        ),
-        (units.Label("density", "", "kg/m3"), "density (kg/m$^{3}$)", "density (kg/m3)"),
-        (units.Label("bead"), "bead", "bead"),
-    ],
-)
-def test_a_label_is_words_a_symbol_and_a_unit_and_own_units_divide(label, mathtext, plain):
-    assert label.mathtext == mathtext
-    assert label.plain == plain
-
-
 @pytest.mark.parametrize(
     ("unit", "largest", "shown"),
     [

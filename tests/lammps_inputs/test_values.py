@@ -44,15 +44,6 @@ def test_random_contacts_draw_the_numbers_that_the_manual_says(seed):
     assert np.isnan(listed[:, -1]).all()
 
 
-def test_masses_of_a_disorder_come_from_the_same_numbers_as_contacts_of_that_seed_and_radii_do_not():
-    chain = {"chains": 1, "coupling": None}
-    contacts = table(**chain, contact={"strength": {"spread": 0.3, "seed": 4}})["contacts.strength"][0, :-1]
-    listed = table(**chain, disorder={"mass": 0.3, "radius": 0.3, "seed": 4})
-    masses = listed["mass"] / listed["radius"] ** 3
-    np.testing.assert_allclose(masses[0, :-1], contacts, rtol=1e-14)
-    assert np.max(np.abs(listed["radius"][0, :-1] - contacts)) > 0.1
-
-
 def test_ramps_of_springs_and_contacts_are_listed_in_the_scene_s_units():
     ramp = {"from": 1e3, "to": 4e3, "rows": [3, 9]}
     listed = table(
@@ -71,11 +62,6 @@ def test_ramps_of_springs_and_contacts_are_listed_in_the_scene_s_units():
     np.testing.assert_allclose(coupling[0], np.interp(rows, [3, 9], [0.0, 4e3]), rtol=1e-12)
     assert np.isnan(coupling[1]).all()
     np.testing.assert_array_equal(listed["contacts.strength"][0, :-1], np.interp(rows[:-1], [2, 6], [1, 4]))
-
-
-def test_springs_of_a_graph_have_a_column_for_each_partner():
-    listed = table(chains=3, coupling={"topology": {"edges": [[1, 2, 0.1], [1, 3, 0.2], [2, 3, 0.3]]}, "rows": [2, 5]})
-    assert listed["coupling.spring to chain 3"][:, 2].tolist()[:2] == [0.2, 0.3]
 
 
 def test_show_prints_values_that_read_back_exactly_and_nothing_else(tmp_path, capsys):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from declared_studies import declared_studies
 from global_state import SCENE, assert_state_remains
 
 import granchain
@@ -56,8 +57,6 @@ def test_the_state_of_the_process_is_as_before(name, tmp_path, monkeypatch):
     assert_state_remains(lambda: CALLS[name](tmp_path), tmp_path)
 
 
-def test_functions_of_plug_ins_are_attributes_under_the_names_by_which_they_are_declared():
-    names = [name for name, point in plugins.declared("functions").items() if point.value.startswith("workflow.")]
-    assert set(OF_STUDIES) <= set(names)
-    for name in names:
-        assert getattr(granchain, name).__name__ == name
+def test_studies_that_draw_take_the_width_of_figures():
+    draw = {study.command for study in declared_studies() if study.figures}
+    assert draw == {name for name, module in plugins.loaded("studies").items() if getattr(module, "DRAWS", False)}

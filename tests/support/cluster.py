@@ -1,6 +1,7 @@
 """What the real schedulers have in common that tests start on this machine."""
 
 import os
+import re
 import socket
 import subprocess
 from abc import ABC, abstractmethod
@@ -10,6 +11,9 @@ from pathlib import Path
 
 from executables import unavailable
 from processes import HANGS, wait_until
+
+from lammps_inputs import file_names
+from workflow.plugins.jobs import job_files
 
 POLLED = 0.2
 """Seconds between two looks at a queue: asking takes the scheduler and its command time that jobs need."""
@@ -36,6 +40,10 @@ class Cluster(ABC):
     @abstractmethod
     def queue(self) -> list[str]:
         """Jobs and tasks that wait or run."""
+
+    @abstractmethod
+    def end(self) -> None:
+        """End all jobs."""
 
     def wait(self) -> None:
         """Wait until all jobs have ended, also those that jobs submit."""
@@ -69,3 +77,13 @@ def free_ports(count: int) -> list[int]:
     for one in held:
         one.close()
     return ports
+
+
+def stop_after_a_stretch(directory: Path, steps: int = 1000) -> None:
+    """Let the first job of a deck compute no more than one stretch of steps, until it is told to stop."""
+    path, pause = directory / job_files.INPUT, directory / "pause"
+    text = path.read_text().replace("label stretch", f"shell sh {pause.name}\n\nlabel stretch")
+    text, count = re.subn("(?m)^(variable look equal) .*", rf"\1 {steps}", text)
+    assert count == 1
+    path.write_text(text)
+    pause.write_text(f"[ -f {file_names.RESTART} ] || until grep stop {job_files.FLAG}; do sleep 0.1; done\n")

@@ -1,12 +1,11 @@
 """Compare what two trees of this project compute: decks, frames, numbers, texts and exit codes, through their commands.
 
-From the root of the new tree: ``python tests/support/compare_trees.py OLD_TREE [--only scenes] [--random 200]``.
-``scenes``: every installed scene and random ones go through ``show``, ``deck``, ``run`` with both engines, ``analyze``
-and ``validate`` in both trees; one in ten also on two ranks, and one in ten is killed and resumed. ``studies``: every
-story of `tree_stories.py`, which has the studies, the plug-ins and all other commands. Exit code 1 if anything differs
-that `EXPECTED` or ``--expected`` does not name. What a tree has computed is kept in ``DIR`` under the hash of its
-sources and of the commands, and not computed again (``--again`` does so). Each tree is installed for its process, with
-the entry points of its own ``pyproject.toml``; of its modules this script names that of its command alone.
+From the root of the new tree: ``python tests/support/compare_trees.py OLD_TREE [--random 200]``. Every installed scene
+and random ones go through ``show``, ``deck``, ``run`` with both engines, ``analyze`` and ``validate`` in both trees;
+one in ten also on two ranks, and one in ten is killed and resumed. Exit code 1 if anything differs that ``--expected``
+does not name. What a tree has computed is kept in ``DIR`` under the hash of its sources and of the commands, and not
+computed again (``--again`` does so). Each tree is installed for its process, with the entry points of its own
+``pyproject.toml``; of its modules this script names that of its command alone.
 
 | what                           | compared                                                             |
 |--------------------------------|----------------------------------------------------------------------|
@@ -14,10 +13,7 @@ the entry points of its own ``pyproject.toml``; of its modules this script names
 | frames                         | bytes                                                                |
 | ``*.csv``                      | cells, numbers by their values                                       |
 | ``*.json`` but ``run.json``    | values, without times of the clock; a key that is missing is null    |
-| ``*.npz``, netCDF, Parquet     | arrays, columns                                                      |
-| pages                          | data and text, without what `NOISE` names                            |
-| standard output and error      | text, without what `NOISE` names; values of ``--json``               |
-| files of a story               | names of all, texts without what `NOISE` names                       |
+| standard output and error      | text, without what `NOISE` names                                     |
 | exit codes                     | of every command                                                     |
 """
 
@@ -43,8 +39,6 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parent))
 from tree_metadata import write_metadata
@@ -74,33 +68,12 @@ NOISE = (
     r"/\S*/computed/\w+/",
     r"granchain \d[\d.]*( \(commit \w+\))?",
     r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d[\d:.+Z]*",
-    r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}|\bp\d{4,}\b",  # names of Bokeh's models
     r"compiling the [^\n]*\n",
-    r"data:image/png;base64,[^\"']*",
-    r'"history": "[^"]*"',
 )
 """Patterns of text that depend on the clock, the machine or the version."""
 
-EXPECTED = {
-    "threshold-beats: *": "beat_length follows the rule of analyze",
-    "threshold-resonators: *": "amplitude is that of analyze",
-    "threshold-rows: *": "beat_length of resonators of some rows is that of analyze",
-    "sweep-*: collect.txt[[][2-9]]": "times of the engine",
-    "sweep-*: swept/view.html[[]*": "data of the page, with times of the engine",
-    "run-*: run/against-reference.html[[]*": "times of the engine",
-    "run-*: run/validation.html[[]*": "order of tools, a set, in Bokeh's data",
-    "trade: out/trade.csv": "what the time allows",
-    "trade: out/trade.csv[[]*[]][[][89][]]": "first run and front of times",
-    "trade: out/trade.json.engines*.first": "time of the first run",
-    "trade: out/trade.json.engines*.front": "front of times",
-    "trade: out/trade.json.advice*": "times",
-    "trade: trade.txt*": "times",
-    "extremes: extremes.txt*": "times",
-}
-"""Pattern of ``STORY: FILE.PLACE`` -> why the trees differ there."""
-
 SHOWN = 10
-"""Differing files of a scene or story that are printed at most."""
+"""Differing files of a scene that are printed at most."""
 
 INTERRUPTED = 130
 """Exit code of a command that Ctrl-C or SIGTERM ended."""
@@ -159,19 +132,12 @@ def compute(tasks: Path, results: Path) -> None:
 
 
 def carried_out(main: Any, step: str, words: list[str], place: Path) -> int:
-    """Exit code of one command, whose output stands in a text file of its name; or of a script."""
+    """Exit code of one command, whose output stands in a text file of its name."""
     if step == "killed":
         return _killed(words, place / "killed")
     out, err = io.StringIO(), io.StringIO()
-    code = 0
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        try:
-            if step.startswith("python"):
-                exec(words[0], {})
-            else:
-                code = main(words)
-        except SystemExit as end:  # of --help
-            code = int(end.code or 0)
+        code = main(words)
     text = (out.getvalue() + err.getvalue()).replace(str(place), "DIR")
     (place / f"{step.replace('/', '-')}.txt").write_text(text)
     return code
@@ -247,7 +213,7 @@ def plain(value: Any) -> Any:
     return [plain(one) for one in value] if isinstance(value, list) else value
 
 
-UNCOMPARED = {".lammps", ".restart", ".sha256", ".png", ".pdf", ".svg", ".mp4", ".gif"}
+UNCOMPARED = {".lammps", ".restart", ".sha256"}
 
 
 def content(path: Path) -> Any:
@@ -256,27 +222,6 @@ def content(path: Path) -> Any:
         return None
     if path.suffix == ".json":
         return plain(json.loads(path.read_text()))
-    if path.suffix == ".jsonl":
-        lines = [plain(json.loads(line)) for line in path.read_text().splitlines()]
-        for line in lines:
-            line.pop("key", None)  # has the versions in it
-        return sorted(lines, key=json.dumps)  # as worker processes ended
-    if path.suffix == ".npz":
-        with np.load(path) as arrays:
-            return {name: arrays[name].tolist() for name in arrays.files}
-    if path.suffix == ".nc":
-        import h5py
-
-        arrays = {}
-        with h5py.File(path) as file:
-            file.visititems(
-                lambda name, item: arrays.update({name: item[()].tolist()} if hasattr(item, "shape") else {})
-            )
-        return arrays
-    if path.suffix == ".parquet":
-        import pyarrow.parquet
-
-        return plain(pyarrow.parquet.read_table(path).to_pydict())
     try:
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError:
@@ -288,9 +233,6 @@ def content(path: Path) -> Any:
         heads, *rows = list(csv.reader(text.splitlines())) or [[]]
         timed = [k for k, head in enumerate(heads) if "second" in head]
         return [[_cell(cell) for k, cell in enumerate(row) if k not in timed] for row in (heads, *rows)]
-    if text.startswith(("{\n", "[\n")):  # of --json
-        with contextlib.suppress(ValueError):
-            return plain(json.loads(text))
     for pattern in NOISE:
         text = re.sub(pattern, "", text)
     return text.splitlines()
@@ -334,46 +276,16 @@ def tasks_of_scenes(old: Path, work: Path, count: int, seed: int) -> dict[str, A
     return {scene.stem: {"steps": dict(commands(scene, number)), "files": {}} for number, scene in enumerate(scenes)}
 
 
-def tasks_of_studies(old: Path, command_list: list[str]) -> dict[str, Any]:
-    """Name -> steps and files, of every story."""
-    sys.path.insert(0, str(HERE))
-    from measured import table
-    from tree_stories import stories
-
-    with tempfile.TemporaryDirectory() as directory:
-        traces = table(Path(directory) / "data.csv").read_text()
-    names = [path.stem for path in sorted((old / "lammps_inputs" / "scenes").glob("*.yaml"))]
-    pages = [page for package in PACKAGES for page in sorted((old / package).glob("*.md"))]
-    manual = "\n".join(page.read_text() for page in pages)
-    return {
-        story.name: {
-            "steps": story.steps,
-            "files": {
-                name: value if isinstance(value, str) else json.dumps(value) for name, value in story.files.items()
-            },
-        }
-        for story in stories(names, command_list, manual, traces)
-    }
-
-
-def commands_of(environment: dict[str, str]) -> list[str]:
-    """Names of all commands that a tree's help lists."""
-    words = [sys.executable, "-P", "-m", "workflow", "--help"]
-    done = subprocess.run(words, env=environment, capture_output=True, text=True, check=True)
-    return re.findall(r"^  ([a-z]\w*)  ", done.stdout, re.MULTILINE)
-
-
 def main() -> int:
     """Compare, and say what differs."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("old", type=Path)
     parser.add_argument("--new", type=Path, default=HERE)
-    parser.add_argument("--only", choices=("scenes", "studies"), help="this part alone")
-    parser.add_argument("--tasks", metavar="PATTERN", default="*", help="scenes and stories of such names")
+    parser.add_argument("--tasks", metavar="PATTERN", default="*", help="scenes of such names")
     parser.add_argument("--random", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--again", action="store_true", help="compute the new tree's results even if they are known")
-    parser.add_argument("--expected", type=Path, help="file of lines `PATTERN of STORY: FILE.PLACE`, beside EXPECTED")
+    parser.add_argument("--expected", type=Path, help="file of lines `PATTERN of SCENE: FILE.PLACE`")
     parser.add_argument("--work", type=Path, default=Path(tempfile.gettempdir()) / "compared-trees")
     parser.add_argument("--compute", nargs=2, type=Path, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
@@ -386,15 +298,8 @@ def main() -> int:
         places[1] = places[1].with_name(f"{places[1].name}-again")
         shutil.rmtree(places[1], ignore_errors=True)
     environments = [installed(tree, place / "installed") for tree, place in zip(trees, places, strict=True)]
-    tasks: dict[str, Any] = {}
-    if arguments.only != "scenes":
-        tasks |= tasks_of_studies(trees[0], commands_of(environments[0]))
-    if arguments.only != "studies":
-        tasks |= tasks_of_scenes(trees[0], arguments.work, arguments.random, arguments.seed)
+    tasks = tasks_of_scenes(trees[0], arguments.work, arguments.random, arguments.seed)
     tasks = {name: task for name, task in tasks.items() if fnmatch.fnmatch(name, arguments.tasks)}
-    typed = {words[0] for task in tasks.values() for words in task["steps"].values() if words}
-    if arguments.tasks == "*" and not arguments.only:
-        print("not compared:", *(name for name in commands_of(environments[1]) if name not in typed))
     for task in tasks.values():
         task["digest"] = hashlib.sha256(json.dumps(task).encode()).hexdigest()[:16]
     for place, environment in zip(places, environments, strict=True):
@@ -404,9 +309,8 @@ def main() -> int:
         (place / "computed").mkdir(exist_ok=True)
         subprocess.run(words, check=True, env=environment, cwd=place)
         print(f"{place}: {time.monotonic() - begun:.0f} s", flush=True)
-    expected = list(EXPECTED)
-    if arguments.expected:
-        expected += [line.strip() for line in arguments.expected.read_text().splitlines() if line.strip()]
+    lines = arguments.expected.read_text().splitlines() if arguments.expected else []
+    expected = [line.strip() for line in lines if line.strip()]
     return compared(tasks, [place / "computed" for place in places], expected)
 
 
@@ -428,8 +332,8 @@ def compared(tasks: dict[str, Any], places: list[Path], expected: list[str]) -> 
                     break
                 foreseen[pattern] += 1
     for pattern, number in foreseen.items():
-        print(f"expected: {number} at {pattern}: {EXPECTED.get(pattern, '')}")
-    print(f"{len(tasks)} scenes and stories: {sum(kinds.values())} files differ; {dict(kinds.most_common(20))}")
+        print(f"expected: {number} at {pattern}")
+    print(f"{len(tasks)} scenes: {sum(kinds.values())} files differ; {dict(kinds.most_common(20))}")
     return 1 if kinds else 0
 
 

@@ -1,6 +1,7 @@
 """Tables of keys in the scene reference, made from the types; ``python tests/support/key_tables.py`` renews them."""
 
 import ast
+import functools
 import importlib.resources
 import inspect
 import re
@@ -77,6 +78,12 @@ def _materials(_: str) -> str:
     return "\n".join(rows) + "\n"
 
 
+@functools.cache
+def _schema(model: type[BaseModel]) -> dict[str, Any]:
+    return schema.of(model, model.__name__)
+
+
+@functools.cache
 def table(name: str) -> str:
     """Rows of key, unit, valid values, default and meaning."""
     model: type[BaseModel] = PARTS.get(name, Scene)
@@ -86,7 +93,7 @@ def table(name: str) -> str:
     if issubclass(model, Contact) and model is not PowerContact:  # whose table is above the others
         shared = PowerContact.model_fields
         chosen = [key for key in chosen if key not in shared or str(model.model_fields[key]) != str(shared[key])]
-    described, meaning = schema.of(model, name), meanings(model)
+    described, meaning = _schema(model), meanings(model)
     defs = described.get("$defs", {})
     # of a part that may be a number, too, its keys
     described = next((option for option in described.get("anyOf", ()) if "properties" in option), described)
@@ -103,15 +110,23 @@ def meanings(model: type[BaseModel]) -> dict[str, str]:
     """What stands below each field of a type and the types it is made from, or in the field itself."""
     found = {key: field.description or "" for key, field in model.model_fields.items()}
     for parent in reversed([base for base in model.__mro__ if base.__module__.startswith("lammps_inputs")]):
-        try:
-            (tree,) = ast.parse(textwrap.dedent(inspect.getsource(parent))).body
-        except (OSError, TypeError):  # made at run time
-            continue
-        assert isinstance(tree, ast.ClassDef)
-        for field, text in zip(tree.body, tree.body[1:], strict=False):
-            if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(text, ast.Expr):
-                found[field.target.id] = " ".join(str(ast.literal_eval(text.value)).split())
+        found |= _below_fields(parent)
     return found
+
+
+@functools.cache
+def _below_fields(model: type) -> dict[str, str]:
+    """What stands below each field in the source of one type."""
+    try:
+        (tree,) = ast.parse(textwrap.dedent(inspect.getsource(model))).body
+    except (OSError, TypeError):  # made at run time
+        return {}
+    assert isinstance(tree, ast.ClassDef)
+    return {
+        field.target.id: " ".join(str(ast.literal_eval(text.value)).split())
+        for field, text in zip(tree.body, tree.body[1:], strict=False)
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(text, ast.Expr)
+    }
 
 
 def _unit(field: Any) -> str:

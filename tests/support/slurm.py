@@ -31,6 +31,11 @@ class Slurm(Cluster):
         """Jobs and tasks that wait or run."""
         return self.call("squeue", "-h", "-r", "-o", "%i %t").splitlines()
 
+    def end(self) -> None:
+        """End all jobs."""
+        self.call("scancel", "--me")
+        self.wait()
+
 
 @pytest.fixture(scope="session")
 def slurm(executable: Callable[[str], Path]) -> Iterator[Slurm]:
@@ -44,8 +49,7 @@ def slurm(executable: Callable[[str], Path]) -> Iterator[Slurm]:
     try:
         running = _start(home, processes)
         yield running
-        running.call("scancel", "--me")
-        running.wait()
+        running.end()
     finally:
         stop(processes)
         shutil.rmtree(home, ignore_errors=True)

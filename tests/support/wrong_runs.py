@@ -119,12 +119,6 @@ def at_half_steps(run: Trajectory) -> States:
     )
 
 
-def a_frame_early(run: Trajectory) -> States:
-    """Every frame shows the next one's state; the last twice."""
-    following = np.minimum(np.arange(run.frames) + 1, run.frames - 1)
-    return run.displacement[following], run.velocity[following]
-
-
 CUBIC = replaced(file_names.DECK, "(v_kappa/2:%.17g) 0", "(v_kappa/2:%.17g) 8")
 """A bond at rest at the lateral distance of the chains is cubic along them."""
 

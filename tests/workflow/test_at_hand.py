@@ -6,22 +6,11 @@ import subprocess
 import sys
 
 import pytest
-from plug_ins import WITHOUT, needs
+from plug_ins import WITHOUT
 from processes import HANGS
 
 from workflow import cli
 from workflow.cli import ALIASES, COMMANDS, main
-
-SCENE = "name: tiny\nbeads: 4\nkick: {velocity: 1}\nduration: 2\n"
-
-
-@pytest.fixture
-def tiny(tmp_path, monkeypatch):
-    """A directory with a scene, and a run of it."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "tiny.yaml").write_text(SCENE)
-    assert main(["run", "tiny.yaml", "-o", "run", "--engine", "reference", "--quiet"]) == 0
-    return tmp_path
 
 
 def said(capsys, *words):
@@ -53,67 +42,21 @@ def test_every_command_explains_itself_and_ends_with_examples_that_parse(command
         cli.parser([name]).parse_args(words[1:])
 
 
-def test_the_program_alone_prints_its_help(capsys):
-    assert main([]) == 0
-    alone = capsys.readouterr().out
-    assert all(f"  {name} " in alone for name in COMMANDS)
+def test_quiet_does_not_silence_what_a_command_is_for(capsys):
+    assert said(capsys, "show", "two-chains", "-q") == said(capsys, "show", "two-chains")
 
 
-PRINTING = [module.EXAMPLES[0] for module in map(cli.module_of, COMMANDS) if vars(module).get("PRINTS")]
-PRINTING += [pytest.param("gallery --list", marks=needs("gallery"))]
-
-
-@pytest.mark.parametrize("example", PRINTING)
-def test_quiet_does_not_silence_what_a_command_is_for(example, capsys, tmp_path, monkeypatch):
+def test_json_is_one_object_and_nothing_else(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "runs").mkdir()  # which `status` lists
-    words = shlex.split(example.partition("#")[0].partition(">")[0])
-    main(words)
-    printed = capsys.readouterr().out
-    main([*words, "-q"])
-    assert capsys.readouterr().out == printed != ""
-
-
-AT_A_DIRECTORY = [
-    *("analyze", "collect", "validate"),
-    pytest.param("export --to csv", marks=needs("export")),
-    pytest.param("view", marks=needs("pages")),
-]
-
-
-@pytest.mark.parametrize("command", AT_A_DIRECTORY)
-def test_a_directory_that_is_not_there_is_named_as_the_user_did(command, capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    name, *options = command.split()
-    assert main([name, "nope", *options]) == 2
-    error = capsys.readouterr().err
-    assert "nope" in error
-    assert "-o" not in error.split()
-
-
-@pytest.mark.usefixtures("tiny")
-def test_quiet_says_nothing(capsys):
-    assert main(["analyze", "run", "--no-figures", "--quiet"]) == 0
-    assert capsys.readouterr() == ("", "")
-
-
-@pytest.mark.usefixtures("tiny")
-@pytest.mark.parametrize(
-    ("words", "key"),
-    [
+    (tmp_path / "tiny.yaml").write_text("name: tiny\nbeads: 4\nkick: {velocity: 1}\nduration: 2\n")
+    for words, key in (
         ("scenes", "two-chains"),
         ("show tiny.yaml", "duration"),
-        ("run tiny.yaml -o other --engine reference", "uncertainty"),
+        ("run tiny.yaml -o run --engine reference", "uncertainty"),
         ("analyze run --no-figures", "energy_drift"),
         ("validate run", "passed"),
-    ],
-)
-def test_json_is_one_object_and_nothing_else(words, key, capsys):
-    assert key in json.loads(said(capsys, *words.split(), "--json"))
-
-
-@pytest.mark.usefixtures("tiny")
-def test_json_of_status_is_a_list(capsys):
+    ):
+        assert key in json.loads(said(capsys, *words.split(), "--json"))
     assert [one["state"] for one in json.loads(said(capsys, "status", "run", "--json"))] == ["done"]
 
 
@@ -125,16 +68,6 @@ def test_new_writes_a_scene_and_never_over_a_file(tmp_path, capsys):
     assert main(["new", str(path)]) == 2
     assert "exists already" in capsys.readouterr().err
     assert path.read_text() == before
-
-
-@pytest.mark.slow
-def test_folders_called_as_the_packages_are_do_not_hide_them(tmp_path):
-    for name in ("analysis", "workflow", "lammps_inputs"):
-        (tmp_path / name).mkdir()
-    (tmp_path / "analysis" / "__init__.py").write_text("raise SystemExit('the wrong one')")
-    words = [sys.executable, "-m", "workflow", "show", "two-chains"]
-    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=HANGS, check=True)
-    assert done.stdout.startswith("name: two-chains")
 
 
 def test_packages_of_others_over_ours_are_named_in_one_line(tmp_path):

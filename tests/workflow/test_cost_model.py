@@ -2,17 +2,13 @@
 
 import os
 import time
-from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from lammps_inputs import library
 from lammps_inputs.deck_lines import DeckLines
 from lammps_inputs.decks import deck
-from lammps_inputs.laws import Law, Pure, formula
-from lammps_inputs.links import Links
 from workflow import cost_model
 from workflow.cost_model import formula_seconds, step_seconds
 from workflow.engines.lammps import worker
@@ -32,44 +28,6 @@ SCENES = {
     "foundation": {**CHAIN, "beads": 400, "foundation": {"force": "k*s + b*s^3", "k": 0.1, "b": 0.1}},
     "plastic": {**library.find("plastic-contacts").plain(), "output": {}},
 }
-
-
-class Elastic(Law):
-    """Numbers of a law that these tests alone know; only what a deck needs."""
-
-    strength: Pure
-
-    @staticmethod
-    def force(s, strength):
-        return strength * np.maximum(s, 0.0) ** 1.5
-
-    @staticmethod
-    def energy(s, strength):
-        return 0.4 * strength * np.maximum(s, 0.0) ** 2.5
-
-    @staticmethod
-    def stiffness(s, strength):
-        return 1.5 * strength * np.maximum(s, 0.0) ** 0.5
-
-    @staticmethod
-    def max_strain(energy, strength):
-        return (2.5 * energy / strength) ** 0.4
-
-
-class Short(Elastic):
-    along = formula.along("0.4*strength*s^2.5")
-
-
-class Long(Elastic):
-    along = formula.along("strength*(0.4*s^2.5 + 0.1*s^3*exp(-s) + 0.1*s^3/(1 + s^2))")
-
-
-class Bed(Elastic):
-    ground = formula.ground("strength*s*(1 + s^2*exp(-s^2))")
-
-
-class Tie(Elastic):
-    across = formula.across("strength/6*q^3/(1 + q)")
 
 
 def scene(plain):
@@ -108,29 +66,6 @@ def expect_within_a_factor_of_three(problem, folder):
 @pytest.mark.parametrize("kind", SCENES)
 def test_a_step_takes_the_estimated_time_within_a_factor_of_three(kind, tmp_path):
     expect_within_a_factor_of_three(scene(SCENES[kind]).problem(), tmp_path)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "links",
-    [
-        (Links.along("contacts", Short(1.0)),),
-        (Links.along("contacts", Long(1.0)),),
-        (Links.ground("bed", Bed(0.1)),),
-        (Links.across("tie", Tie(0.1), edges=((0, 1),)),),
-        (
-            Links.along("contacts", Short(1.0)),
-            Links.ground("bed", Bed(0.1)),
-            Links.across("tie", Tie(0.1), edges=((0, 1),)),
-        ),
-    ],
-    ids=["contacts", "long", "ground", "across", "all"],
-)
-def test_so_it_does_for_a_law_that_nothing_else_knows(links, tmp_path):
-    problem = scene(CHAINS).problem()
-    kinds = {link.kind for link in links}
-    others = [link for link in problem.system.links if link.kind not in kinds]
-    expect_within_a_factor_of_three(replace(problem, system=replace(problem.system, links=(*others, *links))), tmp_path)
 
 
 def test_formulas_are_counted_by_the_distances_and_the_operations_in_their_text():

@@ -17,24 +17,12 @@ from workflow.runs.completed_run import Check, CompletedRun
 from workflow.runs.run_directory import RunDirectory
 
 SWEEP = {"scene": "one-chain", "vary": {"kick.velocity": [1.0, 2.0]}, "engine": "reference"}
-STEEL = {
-    "name": "steel",
-    "beads": 12,
-    "material": {"name": "steel", "radius": 4.76e-3},
-    "kick": {"velocity": 0.4},
-    "duration": 2e-4,
-}
+BALL = {"name": "steel", "radius": 4.76e-3}
+STEEL = {"name": "steel", "beads": 12, "material": BALL, "kick": {"velocity": 0.4}, "duration": 2e-4}
 
 CLASSES = (
     *(kind for name in granchain.__all__ if inspect.isclass(kind := getattr(granchain, name))),
-    CompletedRun,
-    RunDirectory,
-    Trajectory,
-    FramesInUnits,
-    Check,
-    Waves,
-    Columns,
-    BaseScene,
+    *(CompletedRun, RunDirectory, Trajectory, FramesInUnits, Check, Waves, Columns, BaseScene),
 )
 FUNCTIONS = [function for name in dir(granchain) if inspect.isfunction(function := getattr(granchain, name))]
 """All of the module, also those of studies and tools."""
@@ -77,19 +65,11 @@ def test_the_example_prints_what_is_written(name, place, tmp_path, monkeypatch):
 
 
 def test_every_function_and_what_results_have_is_shown_by_an_example():
+    kinds = (granchain.Run, CompletedRun, granchain.Analysis, granchain.Validation, granchain.SweepTable)
+    public = (FunctionType, property, cached_property)
     shown = {f"granchain.{function.__name__}" for function in FUNCTIONS}
-    for kind in (granchain.Run, CompletedRun, granchain.Analysis, granchain.Validation, granchain.SweepTable):
-        shown |= public(kind)
-    for kind in (granchain.Group, granchain.WavesTable, Waves, Columns):
-        shown |= public(kind)
-    shown |= {f"BaseScene.{name}" for name in ("plain", "problem", "resolved", "scale", "units", "unlikely")}
-    shown |= {f"Trajectory.{name}" for name in ("bead", "beads", "frames", "measured")}
+    for kind in (*kinds, granchain.Group, granchain.WavesTable, Waves, Columns):
+        members = vars(kind).items()
+        shown |= {f"{kind.__name__}.{name}" for name, value in members if isinstance(value, public) and name[0] != "_"}
     # pandas and xarray need not be installed
     assert shown - set(EXAMPLES) == {"SweepTable.pandas", "WavesTable.pandas", "Run.dataset"}
-
-
-def public(kind):
-    """Names of the methods and properties that a class defines."""
-    made = {name: value for name, value in vars(kind).items() if not name.startswith("_")}
-    callables = (FunctionType, property, cached_property)
-    return {f"{kind.__name__}.{name}" for name, value in made.items() if isinstance(value, callables)}

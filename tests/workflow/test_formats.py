@@ -5,9 +5,7 @@ import struct
 import pytest
 
 import granchain
-from workflow import cli, formats
 from workflow.cli import main
-from workflow.sweep import cases, run_sweep
 
 
 @pytest.fixture
@@ -33,13 +31,6 @@ def test_figures_are_those_asked_for_and_none_of_ours_is_left_that_is_older(ran)
         assert drawn(ran) == files
 
 
-def test_a_figure_of_the_users_own_stays(ran):
-    (ran / "response.pdf").write_text("mine")
-    assert main(["analyze", str(ran), "--quiet"]) == 0
-    assert (ran / "response.pdf").read_text() == "mine"
-    assert main(["analyze", str(ran), "--quiet", "--formats", "pdf"]) == 2
-
-
 def inches(png):
     """Width of a PNG with 200 pixels an inch."""
     return struct.unpack(">I", png.read_bytes()[16:20])[0] / 200.0
@@ -48,28 +39,3 @@ def inches(png):
 def test_figures_have_the_width_that_is_asked_for(ran):
     assert main(["analyze", str(ran), "--quiet", "--width", "3.4"]) == 0
     assert inches(ran / "response.png") == pytest.approx(3.4, abs=0.01)
-
-
-def test_cases_of_a_sweep_are_drawn_with_the_width_that_is_asked_for(ran):
-    with formats.written_as(("png",), 3.4):
-        asked = cases.task(ran, None, check=False, figures=("png",)).arguments
-    assert run_sweep.compute(**asked) == "done"
-    assert inches(ran / "response.png") == pytest.approx(3.4, abs=0.01)
-
-
-def test_every_command_that_writes_figures_takes_their_width():
-    drawing = [name for name in cli.COMMANDS if getattr(cli.module_of(name), "DRAWS", False)]
-    assert {"analyze", "collect", "sweep", "validate"} <= set(drawing)
-    for name in drawing:
-        assert "--width INCHES" in help_of(name)
-
-
-def help_of(name):
-    (subparsers,) = [action for action in cli.parser([name])._actions if action.dest == "command"]
-    return subparsers.choices[name].format_help()
-
-
-def test_a_command_in_a_job_draws_in_the_width_that_is_asked_for():
-    with formats.written_as(("png", "pdf"), 3.4):
-        assert formats.words() == ["--formats", "png,pdf", "--width", "3.4"]
-    assert formats.words() == ["--formats", "png"]

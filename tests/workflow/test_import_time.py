@@ -13,39 +13,6 @@ def python(code):
     return done.stdout.split()
 
 
-def test_the_package_itself_loads_no_other():
-    new = "{name.partition('.')[0] for name in set(sys.modules) - before} - sys.stdlib_module_names"
-    assert python(f"import sys; before = set(sys.modules); import workflow; print(*{new})") == ["workflow"]
-
-
-def test_importing_loads_none_of_the_heavy_packages():
-    modules = "sys, granchain, workflow.cli, lammps_inputs, workflow.runs.run"
-    assert python(f"import {modules}; print(*(m for m in {HEAVY} if m in sys.modules))") == []
-
-
-def test_importing_for_a_script_leaves_the_process_as_it_was():
-    code = """
-import gc, logging, os, random, signal, sys, threading, warnings
-def state():
-    return [
-        dict(os.environ), list(sys.path), list(warnings.filters), set(threading.enumerate()), random.getstate(),
-        {number: signal.getsignal(number) for number in signal.valid_signals()}, list(logging.root.handlers),
-        gc.get_threshold(), gc.isenabled(), sys.getrecursionlimit(), sys.excepthook, sys.displayhook,
-    ]
-import numpy, yaml, pydantic  # have state of their own
-before = state()
-import granchain
-print(*(number for number, (old, new) in enumerate(zip(before, state())) if old != new))
-"""
-    assert python(code) == []
-
-
-def test_the_process_that_runs_lammps_loads_nothing_else_of_those():
-    # each run starts one
-    code = "import sys, workflow.engines.lammps.worker, lammps"
-    assert python(f"{code}; print(*(m for m in {HEAVY} if m in sys.modules))") == ["lammps"]
-
-
 LISTING = (*HEAVY, "numpy", "pydantic", "rich")
 
 

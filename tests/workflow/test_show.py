@@ -14,8 +14,6 @@ CRADLE = {"name": "a", "beads": 5, "gap": 5e-4, "material": BALL, "kick": {"velo
 SLOW = {
     "cradle": {**CRADLE, "damping": {"contact": 0.95, "law": "restitution"}},
     "until a bead": {"name": "a", "chains": 9, "beads": 5000, "kick": {"velocity": 1}, "until_bead": 5000},
-    "window": {"name": "a", "beads": 20000, "kick": {"velocity": 1}, "until_bead": 5000, "window": "auto"},
-    "a new formula": {**CRADLE, "contact": {"force": "A*s*(1 + 0.37*s)", "A": 1e6}},
     "a column": {
         "name": "a",
         "beads": 2000,

@@ -51,15 +51,6 @@ def between(every):
     return np.sort(np.random.default_rng(1).uniform(0.0, 40.0 * every, 1000))
 
 
-def test_resonators_are_at_the_same_times_as_beads():
-    both = problem(chains=1, beads=2, timestep=0.1, steps_per_frame=1, frames=40)
-    run = written_down(both, oscillating(2.0, 0.3))
-    run = replace(run, further_lines=np.stack([run.displacement, run.velocity], axis=1))
-    found = at_times(run, between(0.1))
-    np.testing.assert_array_equal(found.further_lines[:, 0], found.displacement)
-    np.testing.assert_array_equal(found.further_lines[:, 1], found.velocity)
-
-
 def test_a_polynomial_of_degree_seven_is_found_exactly():
     factors = np.array([0.3, -1.0, 0.7, 0.2, -0.4, 0.1, 0.05, -0.02])
     x = np.polynomial.Polynomial(factors)
@@ -68,13 +59,6 @@ def test_a_polynomial_of_degree_seven_is_found_exactly():
     assert displacement < ROUNDING * size
     assert velocity < STEEPER * size / 0.1
     assert max(bound) < STEEPER * size / 0.1
-
-
-def test_at_the_frames_it_is_the_frames():
-    run = written_down(problem(), oscillating(1.3, 0.2))
-    found = at_times(run, run.time)
-    np.testing.assert_allclose(found.displacement, run.displacement, rtol=0, atol=ROUNDING)
-    np.testing.assert_allclose(found.velocity, run.velocity, rtol=0, atol=STEEPER / 0.1)
 
 
 @given(st.floats(0.1, 5.0), st.floats(0.0, 6.3), st.floats(0.02, 0.5))
@@ -143,12 +127,6 @@ def test_cuts_do_not_matter_even_empty_pieces(places, others):
     np.testing.assert_array_equal(joined(a for a, _ in pairs).velocity, RUN.velocity)
 
 
-@given(CUTS, CUTS, st.integers(1, 30))
-def test_pairs_end_with_the_shorter_stream(places, others, frames):
-    pairs = list(paired(cut(RUN, places), [piece for piece in cut(RUN[:frames], []) if others is not None]))
-    assert sum(a.frames for a, _ in pairs) == frames
-
-
 @given(CUTS, CUTS)
 def test_parts_of_pairs_are_those_of_each_run(places, others):
     other = replace(RUN, velocity=2.0 * RUN.velocity)
@@ -160,18 +138,10 @@ def test_parts_of_pairs_are_those_of_each_run(places, others):
         np.testing.assert_array_equal(other_part.around.velocity, 2.0 * part.around.velocity)
 
 
-def test_no_frame_is_lost_when_one_stream_is_empty():
-    assert list(paired([RUN], [])) == []
-
-
 def test_frames_at_other_times_are_refused_by_the_first_that_differs():
     late = replace(RUN, time=np.where(RUN.time > 1.95, RUN.time + 1e-3, RUN.time))
     with pytest.raises(OtherFramesError, match=r"t = 2 .*where 2\.001 is expected"):
         list(paired([RUN], [late]))
-
-
-def test_times_that_differ_by_rounding_are_the_same():
-    assert len(list(paired([RUN], [replace(RUN, time=RUN.time * (1.0 + 1e-12))]))) == 1
 
 
 def test_other_beads_are_refused():

@@ -3,22 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
-from synthetic_waves import of_keys, reference
+from synthetic_waves import of_keys
 
 from analysis.compare import start
-from lammps_inputs import Kick, find
+from lammps_inputs import find
 from workflow.engines.reference import engine
-
-
-def test_the_beads_that_differ_most_are_named_first():
-    run = reference(1, 0.0, 8, 1.0, kicks=[Kick(velocity=1.0), Kick(bead=5, velocity=0.5)])
-    assert start.differences(run) == []
-    velocity = run.velocity.copy()
-    velocity[0, 0, [0, 4]] = 0.9, 0.1
-    assert start.differences(replace(run, velocity=velocity)) == [
-        "bead 5 of chain 1 starts with velocity 0.1 instead of 0.5",
-        "bead 1 of chain 1 starts with velocity 0.9 instead of 1",
-    ]
 
 
 def test_beads_of_a_subset_are_named_by_their_numbers_and_in_the_units_of_the_scene():
@@ -38,9 +27,3 @@ def test_a_resonator_that_moves_at_the_start_is_named():
     further[0, 1, 0, 2] = 0.5
     (text,) = start.differences(replace(run, further_lines=further))
     assert text == "the resonator at bead 3 of chain 1 starts with velocity 0.5 instead of 0"
-
-
-def test_prescribed_motions_and_static_loads_start_as_their_scenes_say():
-    drive = {"drive": {"bead": 1, "displacement": 0.5, "frequency": 0.3, "phase": -60.0}}
-    for keys in ({"precompression": {"force": 0.3}, "kick": {"velocity": 1.0}}, drive):
-        assert start.differences(engine.run(of_keys(beads=6, duration=1.0, **keys))) == []

@@ -56,7 +56,7 @@ def scope_texts(draw):
 
 
 @given(scope_texts(), st.booleans())
-@settings(deadline=None, max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_every_number_of_a_scopes_file_is_read_whatever_stands_around_it(tmp_path, drawn, is_said):
     text, skip, times, signals = drawn
     file = written(tmp_path, text, gain={"CH1": 2.0}, baseline={"CH1": 0.5}, skip=skip if is_said else None)
@@ -67,7 +67,7 @@ def test_every_number_of_a_scopes_file_is_read_whatever_stands_around_it(tmp_pat
 
 
 @given(st.text(max_size=200))
-@settings(deadline=None, max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_other_text_is_refused_in_one_line_or_read(tmp_path, text):
     for file in (written(tmp_path, text), written(tmp_path, "TIME,CH1\n" + text)):
         complaint = complaint_of(file)
@@ -107,20 +107,12 @@ def test_a_signal_whose_gain_or_baseline_is_free_remains_as_it_is(tmp_path):
         ("Zeit;CH1\n0,1;2\n", {}, "has no column 'TIME'; line 1 names Zeit, CH1"),
         ("TIME;CH1\n0,001;1,5\n", {}, "line 2: column 'TIME' holds '0,001', which is no number; decimal commas"),
         ("TIME,CH1\n0,001,1,5\n", {}, "2 names in the first line, but 4 columns in line 2; decimal commas"),
-        ("a\n\nTIME,CH1\n0,1\n1,2,3\n", {}, "2 names in the line of names, but 3 columns in line 5"),
-        ("TIME,CH1\n0,1\nTIME,CH1\n0,1\n", {}, "line 3 repeats the names of the columns"),
         ("a\nTIME,CH1\n0,1\n\n2,1\n1,1\n", {}, "column 'TIME' holds 1 in line 6, after 2"),
-        ("TIME,CH1\n0,1\n0,2\n", {}, "holds 0 in line 3, after 0; write times with more digits"),
         ("TIME,CH1\n0,1\ns,V\n", {}, "line 3: column 'TIME' holds 's', which is no number"),
-        ("TIME,CH1\n0,1_0\n", {}, "holds '1_0', which is no number"),
         ("TIME,CH1\nmin,V\n0,1\n", {"gain": {"CH1": 1.0}}, "column 'TIME': the unit 'min' is not known; s, ms, us, ns"),
         ("TIME,CH1 (V)\n0,1\n", {}, "the unit 'V' is not known; N, mN, kN; of a sensor's signal give the gain"),
         ("a\nTIME,CH1\n0,1\n", {"skip": 0}, "line 1 does not name TIME, CH1; line 2 does: --skip 1"),
-        ("TIME,CH1,CH1\n0,1,2\n", {}, "--columns: 'CH1': several columns have this name; choose #2 or #3"),
-        ("TIME,CH1\n0,1\n", {"skip": 7}, "--skip: 7 given, but"),
-        ("TIME,CH1\n0,1\n", {"gain": {"CH2": 1.0}}, "--gain: 'CH2' is no trace of"),
         ("TIME,CH1\n0,1\n", {"gain": {"CH1": 0.0}}, "--gain: CH1: 0.0 given; a number such as 20.5 or free"),
-        ("TIME,CH1\n0,1\n", {"baseline": {"TIME": 1.0}}, "--baseline: TIME: times have none"),
         ("TIME,CH1\n0,1\n", {"columns": {"time": "TIME", "force": "CH1"}}, "--columns: 'force': not known, or names"),
         ("TIME,CH1\n0,1\n", {"columns": {"force_wall_right": "CH1"}}, "--columns: names no time, such as time=TIME"),
         ("\n\n", {}, "is empty"),

@@ -32,8 +32,10 @@ def deck(**keys):
 FRAMES = {0: ["5 x 4 0", "2 y 3 0.25", "9 w 7 0", "7 x 1 2"], 20: ["9 w 7 0", "7 y 2 1", "5 x 4 0", "2 x 3.5 1"]}
 
 
-def test_beads_are_those_of_the_map_and_other_columns_may_be_text(tmp_path):
-    found = load_dump(dump(tmp_path, "id element z vz", FRAMES), beads=3, timestep=0.5, deck=deck())
+@pytest.mark.parametrize("first", [0, 300])
+def test_beads_are_those_of_the_map_and_steps_count_from_the_first_of_the_deck(first, tmp_path):
+    frames = {first + step: rows for step, rows in FRAMES.items()}
+    found = load_dump(dump(tmp_path, "id element z vz", frames), beads=3, timestep=0.5, deck=deck(first_step=first))
     assert found.time.tolist() == [0.0, 10.0]
     assert found.displacement[1].tolist() == [[1.0, 0.5, 0.0]]
     assert found.velocity[:, 0].tolist() == [[2.0, 0.25, 0.0], [1.0, 1.0, 0.0]]
@@ -57,19 +59,6 @@ def test_scaled_positions_are_those_in_the_box_of_their_frame(tmp_path):
     assert found.velocity is None
 
 
-def test_a_bead_that_the_dump_lacks_is_unknown(tmp_path):
-    rows = {0: ["7 1 2", "2 3 0"], 1: ["7 2 1", "2 3 1"]}
-    found = load_dump(dump(tmp_path, "id z vz", rows), beads=3, timestep=0.5, deck=deck())
-    assert np.isnan(found.velocity[:, 0, 2]).all()
-    assert found.velocity[:, 0, :2].tolist() == [[2.0, 0.0], [1.0, 1.0]]
-
-
-def test_steps_are_counted_from_the_first_of_the_deck(tmp_path):
-    frames = {step + 300: rows for step, rows in FRAMES.items()}
-    found = load_dump(dump(tmp_path, "id element z vz", frames), 3, 0.5, deck(first_step=300))
-    assert found.time.tolist() == [0.0, 10.0]
-
-
 def test_a_dump_that_begins_late_has_velocities_alone_and_is_refused_without(tmp_path):
     late = {step + 300: rows for step, rows in FRAMES.items()}
     found = load_dump(dump(tmp_path, "id element z vz", late), 3, 0.5, deck())
@@ -77,6 +66,13 @@ def test_a_dump_that_begins_late_has_velocities_alone_and_is_refused_without(tmp
     assert found.time.tolist() == [150.0, 160.0]
     with pytest.raises(InputError, match="begins at step 300, after the start"):
         load_dump(dump(tmp_path, "id element z fz", late), 3, 0.5, deck())
+
+
+def test_a_bead_that_the_dump_lacks_is_unknown(tmp_path):
+    rows = {0: ["7 1 2", "2 3 0"], 1: ["7 2 1", "2 3 1"]}
+    found = load_dump(dump(tmp_path, "id z vz", rows), beads=3, timestep=0.5, deck=deck())
+    assert np.isnan(found.velocity[:, 0, 2]).all()
+    assert found.velocity[:, 0, :2].tolist() == [[2.0, 0.0], [1.0, 1.0]]
 
 
 def test_a_compressed_dump_is_read_as_its_text_and_refused_where_it_is_cut(tmp_path):

@@ -38,12 +38,6 @@ def test_columns_are_known_by_single_words_and_as_forces_csv_has_them(name, chan
     assert found.values.tolist() == [[1.0], [2.0]]
 
 
-@pytest.mark.parametrize("kind", ["wall", "contact", "sensor", "velocity", "displacement"])
-def test_a_channel_is_known_by_its_own_name(kind, tmp_path):
-    channel = Channel(kind, 2, 0 if kind == "wall" else 6)
-    assert traces.load(table(tmp_path, f"time,{channel.name}\n0,1\n")).channels == (channel,)
-
-
 def test_units_are_made_si_and_holes_stay_holes(tmp_path):
     found = traces.load(table(tmp_path, "time (\N{MICRO SIGN}s),contact 3 (mN),velocity_1_2 (mm/S)\n1,500,\n2,nan,3\n"))
     assert found.time == pytest.approx([1e-6, 2e-6])

@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 from MDAnalysis.analysis.base import AnalysisFromFunction
 
-from analysis.files.binary_dump import CutDumpWarning, Parts
 from analysis.files.dump_layout import header
 from analysis.files.recording import Writer, blocks
 from analysis.mda.formats import BinaryDumpReader, of_deck
 from analysis.mda.universe import topology_of, universe
 from analysis.trajectory import joined
-from lammps_inputs import InputError, Kick, Material, Output, Scene
+from lammps_inputs import Kick, Material, Output, Scene
 from lammps_inputs.decks import deck
 from lammps_inputs.library import from_plain
 
@@ -74,21 +73,6 @@ def largest(atoms: mda.AtomGroup) -> float:
     return float(atoms.universe.trajectory.ts.data["velocity"].max())
 
 
-def test_values_are_also_in_the_units_of_the_scene(dumps: list[Path]) -> None:
-    wanted = joined(blocks(dumps, PROBLEM)).measured()
-    for number, ts in enumerate(universe(PROBLEM, dumps).trajectory):
-        np.testing.assert_array_equal(ts.data["si"].displacement, wanted.displacement[number].ravel())
-        np.testing.assert_array_equal(ts.data["si"].velocity, wanted.velocity[number].ravel())
-        assert ts.data["si"].time == pytest.approx(wanted.time[number])
-
-
-def test_no_number_is_converted_whatever_the_scene_has_as_units(dumps: list[Path]) -> None:
-    trajectory = universe(PROBLEM, dumps[1:2]).trajectory
-    assert set(trajectory.units.values()) == {None}
-    assert trajectory.dt == pytest.approx(PROBLEM.every)
-    np.testing.assert_array_equal(trajectory.ts.positions[:, 0], trajectory.ts.data["x"].astype(np.float32))
-
-
 def test_displacements_in_a_window_are_those_of_the_rows_that_the_atoms_are_in(tmp_path: Path) -> None:
     spacing = 4.0
     frames = []
@@ -98,18 +82,6 @@ def test_displacements_in_a_window_are_those_of_the_rows_that_the_atoms_are_in(t
     (tmp_path / "window.bin").write_bytes(b"".join(frames))
     for ts in BinaryDumpReader(tmp_path / "window.bin"):
         assert ts.data["displacement"].tolist() == [0.25 * ts.frame] * 3
-
-
-def test_parts_of_other_runs_and_a_run_without_a_frame_are_refused(dumps: list[Path], tmp_path: Path) -> None:
-    other = STEEL.model_copy(update={"beads": 7}).problem()
-    with Writer(tmp_path / "other.bin", other) as writer:
-        writer.append(0, np.zeros((2, 7)), np.zeros((2, 7)))
-    with pytest.raises(InputError, match=r"other\.bin: holds other atoms or columns than .*1\.bin"):
-        Parts([dumps[1], tmp_path / "other.bin"])
-    with pytest.raises(InputError, match=r"2\.bin: is an empty file"):
-        Parts([dumps[2]])
-    with pytest.warns(CutDumpWarning, match=r"0\.bin: ends within a frame"):
-        Parts([dumps[1], dumps[0]])
 
 
 LIGHT = {"mass": 0.3, "stiffness": 0.2, "rows": [3, 5]}

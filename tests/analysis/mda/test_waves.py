@@ -50,23 +50,6 @@ def test_results_are_those_of_the_arrays(ran: mda.Universe, runs: tuple[RunDirec
     np.testing.assert_allclose(found.arrival[inner], wanted.arrival[inner], rtol=1e-9)
 
 
-def test_the_problem_of_another_time_step_is_refused(ran: mda.Universe) -> None:
-    other = SCENE.model_copy(update={"timestep": 0.0125}).problem()
-    with pytest.raises(
-        ValueError, match=r"step 10, but the problem's are 8 steps apart; .* the scene\.yaml of the run"
-    ):
-        LeadingWaves(ran, other).run()
-
-
-def test_every_second_frame_from_the_tenth_on_can_be_chosen(
-    ran: mda.Universe, runs: tuple[RunDirectory, RunDirectory]
-) -> None:
-    waves = LeadingWaves(ran, SCENE.problem()).run(start=10, stop=300, step=2)
-    np.testing.assert_allclose(
-        waves.results.peak_velocity, expected(runs[0].trajectory[10:300:2]).peak_velocity, rtol=1e-9
-    )
-
-
 def test_several_processes_find_what_one_does_also_of_few_frames_each_and_of_a_window(
     runs: tuple[RunDirectory, RunDirectory],
 ) -> None:
@@ -77,15 +60,3 @@ def test_several_processes_find_what_one_does_also_of_few_frames_each_and_of_a_w
         assert len(alone.bead) > 1
         for name in COLUMNS:
             np.testing.assert_array_equal(shared[name], alone[name])
-
-
-def test_frames_unevenly_spaced_and_universes_that_do_not_fit_are_refused(ran: mda.Universe) -> None:
-    problem = SCENE.problem()
-    for frames in ([0, 1, 2, 5, 6, 7], [30, 20, 10, 0]):
-        with pytest.raises(ValueError, match="evenly spaced and ascending"):
-            LeadingWaves(ran, problem).run(frames=frames)
-    with pytest.raises(ValueError, match="small has 62 recorded beads"):
-        LeadingWaves(ran, SCENE.model_copy(update={"beads": 31}).problem())
-    ran.transfer_to_memory(stop=3)
-    with pytest.raises(ValueError, match=r"ts\.data has no 'x'; .* not in memory"):
-        LeadingWaves(ran, problem)

@@ -139,17 +139,6 @@ def test_error_of_the_grid_falls_faster_than_any_power_of_its_spacing():
     assert finest < 1e-13
 
 
-def test_wave_of_an_exponent_is_computed_once():
-    assert solitary_wave() is solitary_wave(1.5)
-
-
-@pytest.mark.parametrize("make", [solitary_wave, nesterenko])
-@pytest.mark.parametrize("exponent", [1.0, 0.5, -2.0, math.nan, math.inf])
-def test_exponent_of_one_or_less_is_refused(make, exponent):
-    with pytest.raises(ValueError, match="n > 1"):
-        make(exponent)
-
-
 def test_nesterenkos_hertzian_wave_has_his_speed_width_and_form():
     wave = nesterenko()
     assert wave.speed == pytest.approx((16 / 25) ** 0.2, rel=1e-15)

@@ -43,17 +43,6 @@ def test_shares_are_undefined_where_no_chain_has_energy(velocity):
     assert Flow(np.arange(3.0), share, *(np.zeros(3),) * 3).extremes(1) == ((0.6, 2.0), (0.6, 2.0))
 
 
-@pytest.mark.parametrize("frames", [1201, 1200, 1199])
-def test_of_a_long_run_every_so_manieth_frame_counts_and_the_last_wherever_blocks_end(frames):
-    long = problem(frames=1200)
-    time = np.arange(1201) * long.every
-    state = np.ones((1201, 2, 8))
-    whole = Trajectory(long, time, 0.0 * state, state)
-    cuts = ((0, 100), (100, 101), (101, 700), (700, frames))
-    flow = FlowMeter(long).read(whole[start:end] for start, end in cuts)
-    assert flow.time.tolist() == sorted({*time[:frames:3].tolist(), time[frames - 1]})
-
-
 def test_the_least_and_most_that_a_chain_has_are_told_with_their_times():
     time, share = np.array([0.0, 1.0, 2.0, 3.0]), np.array([1.0, 0.7, 0.2, 0.4])
     flow = Flow(time, np.stack([share, 1.0 - share], axis=1), *(np.zeros(4),) * 3)

@@ -69,6 +69,14 @@ def test_pulses_that_do_not_lead_have_the_error_of_all_velocities(of_frames):
         assert total.characters[k].peak_velocity_error >= ERROR.amplitude
 
 
+def test_a_pulse_on_a_static_load_begins_with_the_velocity_of_the_kick_exactly_and_at_once():
+    keys = {"beads": 24, "precompression": {"force": 0.1}, "kick": {"velocity": 1.0, "bead": 9}, "duration": 18.0}
+    (pulse,) = with_run_error(surveyed(engine.run(of_keys(**keys))), ERROR).pulses
+    assert (pulse.bead[0], pulse.peak_velocity_error[0], pulse.arrival_error[0]) == (9, 0.0, 0.0)
+    assert np.all(pulse.peak_velocity_error[1:] >= ERROR.amplitude)
+    assert np.all(pulse.arrival_error[1:] >= ERROR.arrival)
+
+
 def test_forces_impulses_and_dwells_cover_the_error_of_the_run(run):
     meter = ForceMeter(run.problem, gauges(run.problem.system, contacts=(10,)))
     of_frames = meter.read((run,))
@@ -92,6 +100,12 @@ def test_the_decay_of_a_pulse_has_the_error_of_the_run_in_its_uncertainty():
     assert total.decay.v0_error - of_frames.decay.v0_error > ERROR.amplitude
 
 
+ERRORS_OF_CHARACTERS = [
+    *("arrival_error", "peak_velocity_error", "speed_error", "width_error", "residual_error"),
+    *("speed_excess_error", "variation_error", "momentum_error", "energy_error"),
+]
+
+
 def test_numbers_that_follow_from_passages_have_the_error_of_the_run(of_frames):
     total = with_run_error(of_frames, ERROR)
     for name, part in (("speed", "waves"), ("width", "shape"), ("residual", "shape")):
@@ -106,8 +120,19 @@ def test_numbers_that_follow_from_passages_have_the_error_of_the_run(of_frames):
     assert np.all(added[known & ~behind] == 0.0)
     assert np.all((added[known & behind] > 0.0) & (added[known & behind] <= 2.0 * ERROR.arrival * (1.0 + 1e-9)))
     for before, after in zip(of_frames.characters, total.characters, strict=True):
-        for name in ("speed_error", "width_error", "residual_error", "speed_excess_error", "variation_error"):
-            assert getattr(after, name) > getattr(before, name) or np.isnan(getattr(before, name))
+        added = {name: getattr(after, name) - getattr(before, name) for name in ERRORS_OF_CHARACTERS}
+        off, late = added["peak_velocity_error"] / before.peak_velocity, added["speed_error"] / before.speed
+        expected = {
+            "residual_error": off + ERROR.velocity / before.peak_velocity,
+            "variation_error": (2.0 + before.variation) * off,
+            "energy_error": 2.0 * off * before.energy,
+            "speed_excess_error": (1.0 + before.speed_excess) * (late + off),
+            "momentum_error": 8.0 * ERROR.velocity  # four beads either way
+            + before.momentum * before.speed * added["arrival_error"],
+        }
+        for name in (name for name in expected if np.isfinite(added[name])):
+            assert added[name] == pytest.approx(expected[name], rel=1e-6)
+        assert added["width_error"] > before.width * late or np.isnan(added["width_error"])
 
 
 def test_energies_are_off_by_no_more_than_errors_of_velocities_make_them():

@@ -1,7 +1,9 @@
 """The whole reading of a run: waveforms against the exact wave, what is called solitary, memory."""
 
+import math
 import tracemalloc
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,9 +12,9 @@ from hypothesis import strategies as st
 from mirror import mirrored_problem
 from synthetic_waves import exact_waves, of_keys, problem, reference, surveyed
 
-from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.exact_wave import solitary_wave, wave_of
 from analysis.shape.long_waves import sound_speed
-from analysis.shape.waveforms import Passages, WaveformMeter
+from analysis.shape.waveforms import REACH, Passages, WaveformMeter
 from analysis.sharing.is_solitary import Tolerances, characterise
 from analysis.sharing.survey import survey
 from analysis.tracking.peaks import find_peaks
@@ -38,7 +40,7 @@ def test_a_pulse_on_a_static_load_has_no_difference_from_an_exact_wave():
     assert np.isnan([shape.residual, shape.residual_error]).all()
 
 
-@settings(max_examples=25)
+@settings(max_examples=12)
 @given(st.floats(0.05, 1.0), st.floats(0.01, 0.3), st.floats(6.0, 15.0), st.sampled_from([1, -1]))
 @pytest.mark.slow
 def test_an_exact_wave_has_the_momentum_energy_and_shape_of_the_exact_wave(peak, every, arrival, direction):
@@ -48,7 +50,7 @@ def test_an_exact_wave_has_the_momentum_energy_and_shape_of_the_exact_wave(peak,
     assert shape.residual[0] < 1e-9
 
 
-@settings(max_examples=50)
+@settings(max_examples=25)
 @given(st.floats(0.05, 1.0), st.floats(0.01, 1.0), st.floats(6.0, 15.0))
 @pytest.mark.slow
 def test_width_is_within_its_stated_error_on_any_grid(peak, every, arrival):
@@ -88,7 +90,7 @@ def test_a_wave_that_is_too_wide_has_the_width_put_in_and_a_residual(peak, stret
     assert shape.residual[0] == pytest.approx(expected, rel=0.15, abs=1e-6)
 
 
-@pytest.mark.parametrize("arrival", [8.0, 8.13, 8.21])
+@pytest.mark.parametrize("arrival", [8.0, 8.13])
 def test_the_momentum_is_that_of_eight_beads_of_travel_wherever_frames_lie(arrival):
     trajectory = exact_waves([(0.5, arrival)], every=0.25)
     drifting = Trajectory(trajectory.problem, trajectory.time, trajectory.displacement, trajectory.velocity + 0.01)
@@ -184,31 +186,52 @@ def test_a_tolerance_decides_what_is_solitary():
     assert surveyed(trajectory).characters[0].fails == ()
 
 
+SHAPE = {
+    "width": 1.6,
+    "width_error": 0.0,
+    "momentum": 1.0,
+    "momentum_error": 0.0,
+    "energy": 1.0,
+    "energy_error": 0.0,
+    "residual": 0.005,
+    "residual_error": 0.0,
+}
+
+
 @pytest.mark.parametrize(("count", "variation"), [(40, 0.1 / 0.55), (6, np.nan)], ids=["ten beads", "five beads"])
 def test_speed_is_compared_with_the_exact_wave_and_the_amplitude_with_itself_over_ten_beads(count, variation):
     """The peak velocity rises by 0.01 a bead, to 0.6 at the last."""
     bead = np.arange(1, count + 1)
     peak = 0.6 - 0.01 * (count - bead)
     pulse = Pulse(1, 1, bead, bead / 0.8, peak, 1.002 * EXACT.speed_at(peak), *np.zeros((3, count)))
-    shape = {
-        "width": 1.6,
-        "width_error": 0.0,
-        "momentum": 1.0,
-        "momentum_error": 0.0,
-        "energy": 1.0,
-        "energy_error": 0.0,
-        "residual": 0.005,
-        "residual_error": 0.0,
-    }
-    found = characterise(pulse, count - 1, shape, problem=problem(1, 0.0))
+    found = characterise(pulse, count - 1, SHAPE, problem=problem(1, 0.0))
     assert found.speed_excess == pytest.approx(0.002, rel=1e-9)
     assert found.variation == pytest.approx(variation, nan_ok=True)
     assert found.fails == (() if np.isnan(variation) else ("amplitude",))
 
 
-def test_a_pulse_that_could_not_be_measured_is_not_called_solitary():
-    found = surveyed(reference(1, 0.0, 40, 8.0))
-    assert all(not character.solitary for character in found.characters)
+@pytest.mark.parametrize("exponent", [1.5, 3.0])
+def test_errors_of_speeds_and_velocities_move_what_follows_from_them_by_as_much_as_is_stated(exponent):
+    """Speeds 20 % above the exact one and velocities that rise, each off by 0.001 the worse way."""
+    bead, error = np.arange(1, 41), np.full(40, 1e-3)
+    peak = 0.6 - 0.01 * (40 - bead)
+    what = of_keys(beads=40, kick={"velocity": 1.0}, contact={"exponent": exponent}, duration=1.0)
+    pulse = Pulse(1, 1, bead, bead / 0.8, peak, 1.2 * wave_of(what.system).speed_at(peak), 0.0 * error, error, error)
+    fast = replace(pulse, speed=pulse.speed + error, peak_velocity=peak - error)
+    steep = replace(pulse, peak_velocity=peak + np.where(bead == 40, error, -error))
+    stated, fast, steep = (characterise(each, 39, SHAPE, problem=what) for each in (pulse, fast, steep))
+    assert fast.speed_excess - stated.speed_excess == pytest.approx(stated.speed_excess_error, rel=5e-3)  # first order
+    moved = steep.variation - stated.variation
+    assert moved <= stated.variation_error == pytest.approx(moved, rel=0.02)  # one velocity in eleven is off upwards
+
+
+def test_a_pulse_is_compared_with_the_exact_wave_where_no_unlike_bead_is_within_the_length_of_that():
+    bead = np.arange(1, 41)
+    pulse = Pulse(1, 1, bead, bead / 0.8, *np.ones((2, 40)), *np.zeros((3, 40)))
+    unlike = {"kinds": {"heavy": {"mass": 2.0}}, "replace": {"bead": 20, "kind": "heavy"}}
+    what = of_keys(beads=40, kick={"velocity": 1.0}, duration=1.0, **unlike)
+    known = [np.isfinite(characterise(pulse, at, SHAPE, problem=what).speed_excess) for at in range(40)]
+    assert bead[~np.array(known)].tolist() == list(range(20 - math.ceil(REACH), 20 + math.ceil(REACH) + 1))
 
 
 READ_BOTH_WAYS = {
@@ -248,20 +271,6 @@ def test_a_run_towards_bead_1_is_read_as_the_mirror_image_of_one_away_from_it(na
     )
 
 
-def test_a_run_in_pieces_of_any_size_gives_the_same():
-    trajectory = reference(2, 0.1, 60, 80.0)
-    whole = survey(lambda: [trajectory], trajectory.problem)
-    pieces = [trajectory[start : start + 7] for start in range(0, trajectory.frames, 7)]
-    parts = survey(lambda: pieces, trajectory.problem)
-    for name in ("arrival", "peak_velocity", "speed"):
-        assert np.allclose(getattr(whole.waves, name), getattr(parts.waves, name), rtol=1e-11, atol=1e-12)
-    assert np.allclose(whole.shape.residual, parts.shape.residual, rtol=0, atol=1e-11, equal_nan=True)
-    # second derivatives of energies are differences over a thousandth of the time between frames: a rounding of 1e-16
-    # of a sum, whose order may differ, is multiplied by 1e6
-    assert np.allclose(whole.energies.wave, parts.energies.wave, rtol=0, atol=1e-10, equal_nan=True)
-    assert whole.verdict.since == parts.verdict.since
-
-
 @pytest.mark.slow
 def test_memory_does_not_grow_with_the_number_of_frames(monkeypatch):
     monkeypatch.setattr("analysis.trajectory.BLOCK_BYTES", 1 << 20)
@@ -282,10 +291,11 @@ def test_memory_does_not_grow_with_the_number_of_frames(monkeypatch):
     assert peak_memory(0.01) < 1.2 * peak_memory(0.04)  # both of several blocks
 
 
-@pytest.mark.parametrize("kicks", [[Kick(velocity=-1.0)], [Kick(velocity=1.0, bead=5)], [Kick(velocity=-1.0, bead=5)]])
-@pytest.mark.parametrize("frames", [1, 2, 3, 40])
-def test_any_run_however_short_is_surveyed_without_a_word(kicks, frames):
-    surveyed(reference(2, 0.1, 10, 4.0, kicks=kicks)[:frames])
+@pytest.mark.parametrize("kick", [Kick(velocity=-1.0), Kick(velocity=1.0, bead=5)])
+def test_any_run_however_short_is_surveyed_without_a_word(kick):
+    run = reference(2, 0.1, 10, 4.0, kicks=[kick])
+    for frames in (1, 2, 3, 40):
+        surveyed(run[:frames])
 
 
 @pytest.mark.parametrize("recorded", ["all", [2, 6, 11, 15]])
@@ -301,11 +311,6 @@ def test_a_pulse_differs_from_one_of_closer_frames_by_no_more_than_it_states(rec
     (k,) = np.flatnonzero((true.bead == found.bead) & (np.abs(true.time - found.arrival) < 0.5))
     assert abs(found.arrival - true.time[k]) <= found.arrival_error < 0.5
     assert abs(found.peak_velocity - true.velocity[k]) <= found.peak_velocity_error < 0.01
-
-
-def test_a_run_without_frames_is_refused():
-    with pytest.raises(ValueError, match="no frames"):
-        survey(lambda: [], problem(2, 0.1, 10, 4.0))
 
 
 def test_with_kicks_from_both_ends_the_leading_wave_is_a_pulse_and_not_what_the_other_left_behind():

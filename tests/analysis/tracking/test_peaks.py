@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.interpolate import BPoly
 from synthetic_waves import of_keys, problem, reference, surveyed
 
@@ -47,15 +45,6 @@ def cut(trajectory: Trajectory, places: list[int]) -> list[Trajectory]:
     return [trajectory[start:end] for start, end in itertools.pairwise(edges)]
 
 
-@settings(max_examples=25, deadline=None)
-@given(st.lists(st.integers(1, 400), max_size=12), st.sampled_from([None, (2, 9, 20)]), st.booleans())
-def test_maxima_are_the_same_bit_for_bit_wherever_the_blocks_are_cut(fine, places, recorded, first_only):
-    run = thinned(fine, 20, recorded)
-    found = [PeakMeter(first_only=first_only).read(pieces) for pieces in ([run], cut(run, places))]
-    for field in fields(Peaks):
-        assert np.array_equal(getattr(found[0], field.name), getattr(found[1], field.name), equal_nan=True), field.name
-
-
 @pytest.mark.parametrize("direction", [1, -1])
 @pytest.mark.parametrize("stride", [20, 100, 200])
 def test_first_maxima_alone_are_the_first_of_all_however_far_apart_frames_are(fine, stride, direction):
@@ -67,26 +56,8 @@ def test_first_maxima_alone_are_the_first_of_all_however_far_apart_frames_are(fi
         assert np.array_equal(getattr(alone, field.name), getattr(first, field.name), equal_nan=True), field.name
 
 
-def test_maxima_do_not_depend_on_how_times_were_rounded(fine):
-    run = thinned(fine, 20)
-    shaken = replace(run, time=run.time * (1.0 + 2.0**-52))
-    assert np.array_equal(find_peaks([run]).velocity, find_peaks([shaken]).velocity)
-
-
-def test_a_pulse_towards_bead_1_is_the_mirror_image_of_one_away_from_it():
-    away = reference(beads=30, duration=40.0)
-    back = reference(beads=30, duration=40.0, kicks=[Kick(bead=30, velocity=-1.0)])
-    expected, found = find_peaks(away.blocks()), find_peaks(back.blocks())
-    order = np.lexsort((found.time, -found.bead, found.chain))
-    assert np.array_equal(31 - found.bead[order], expected.bead)
-    np.testing.assert_allclose(found.velocity[order], expected.velocity, atol=1e-12)
-    waves = leading_waves(found, back.problem)
-    assert waves.at(2).peak_velocity[0] > 0.2
-    assert np.all(waves.of_chain(1).speed[5:-2] > 0.0)
-
-
 @pytest.mark.parametrize("recorded", [None, (5, 20, 21, 22, 30, 31, 40, 50, 55)])
-@pytest.mark.parametrize("every", [0.1, 0.3, 0.49, 0.5, 0.83, 1.0, 1.24, 1.35, 1.6, 2.0])
+@pytest.mark.parametrize("every", [0.1, 0.5, 0.83, 1.24, 1.6])
 def test_no_maximum_is_farther_off_than_it_says_however_coarse_the_frames(fine, every, recorded):
 
     for name in ("maximum", "impulse"):
@@ -108,6 +79,16 @@ def test_frames_up_to_half_a_unit_apart_show_maxima_to_1e_4_and_say_so(fine):
         coarse = thinned(fine, stride)
         found = leading_waves(find_peaks([coarse]), coarse.problem)
         assert found.peak_velocity_error[found.bead < 60].max() < 1e-4
+
+
+def test_frames_one_unit_apart_show_maxima_of_a_damped_chain_to_half_a_per_cent_and_half_of_them_to_2e_4_and_say_so():
+    plain = {"beads": 40, "kick": {"velocity": 1.0}, "duration": 60.0, "damping": {"contact": 0.02}}
+    run = engine.run(of_keys(**plain, output={"every": 0.05}))
+    true, found = (leading_waves(find_peaks([part]), part.problem) for part in (run, thinned(run, 20)))
+    assert np.array_equal(found.bead, true.bead)
+    assert np.all(np.abs(found.peak_velocity - true.peak_velocity) <= found.peak_velocity_error)
+    assert found.peak_velocity_error.max() < 5e-3
+    assert np.median(found.peak_velocity_error) < 2e-4
 
 
 def test_a_maximum_beside_every_largest_frame_is_no_lower_than_the_frame():
@@ -164,62 +145,73 @@ def test_an_impulse_of_constant_strength_has_its_centre_in_its_middle():
     assert centre == pytest.approx(4.0, abs=0.01)
 
 
+def errors_of(found, true):
+    """Errors of velocities and times, each [maximum], beside the nearest maxima of a finer record."""
+    errors = []
+    for k in range(len(found)):
+        own = true.where((true.chain == found.chain[k]) & (true.bead == found.bead[k]))
+        near = int(np.argmin(np.abs(own.time - found.time[k])))
+        errors.append((abs(own.velocity[near] - found.velocity[k]), abs(own.time[near] - found.time[k])))
+    return np.array(errors).T
+
+
+def assert_as_sure_as_stated(found, true, least, *, fine=0.0):
+    """At least so many maxima, within their errors; ``fine`` is the rounding of the finer record."""
+    assert len(found) >= least
+    velocity, time = errors_of(found, true)
+    assert np.all(velocity <= found.velocity_error + 0.1 * fine)
+    assert np.all(time <= found.time_error + fine)
+
+
 @pytest.mark.parametrize("recorded", [None, (2,)])
 def test_the_error_of_a_peak_where_a_contact_opens_between_two_frames_is_below_what_is_said(recorded):
     fine = reference(1, 0.0, 2, duration=20.0, every=0.01, gap=3.6)  # bead 2 leaves with exactly 1
-    for start in range(50):
+    for start in range(0, 50, 2):
         found = find_peaks([thinned(fine[start:], 50, recorded)])
         there = found.bead == 2
         assert np.all(np.abs(found.velocity[there] - 1.0) <= found.velocity_error[there]), start
 
 
 def test_the_error_of_a_peak_is_below_what_is_said_where_a_contact_has_closed_just_before_the_frame():
-    fine = reference(
-        1, 0.0, 6, duration=7.0, every=0.01, kicks=[Kick(bead=1, velocity=1.0), Kick(bead=4, velocity=-0.5)]
-    )
+    kicks = [Kick(bead=1, velocity=1.0), Kick(bead=4, velocity=-0.5)]
+    fine = reference(1, 0.0, 6, duration=7.0, every=0.01, kicks=kicks)
     true = find_peaks([fine])
-    (time,), (velocity,) = ((part[(true.bead == 4) & (true.velocity > 0.5)]) for part in (true.time, true.velocity))
-    for start in range(50):
+    for start in range(0, 50, 2):
         found = find_peaks([thinned(fine[start:], 50)])
-        found = found.where((found.bead == 4) & (found.velocity > 0.5))
-        assert np.all(np.abs(found.velocity - velocity) <= found.velocity_error), start
-        assert np.all(np.abs(found.time - time) <= found.time_error), start
+        assert_as_sure_as_stated(found.where((found.bead == 4) & (found.velocity > 0.5)), true, 1)
+
+
+JUMPS = {"beads": 8, "contact": {"exponent": 3.0}, "duration": 16.0, "timestep": 0.01}
+JUMPS |= {"damping": {"contact": 0.20873, "law": "linear"}, "foundation": {"stiffness": 0.28136}}
+JUMPS |= {"kick": {"bead": 7, "velocity": 1.0}, "output": {"every": 0.01}}
+"""A contact with a linear dashpot opens: bead 4 is fastest then, and again a quarter of T later."""
+
+STIFF = {"beads": 9, "contact": {"exponent": 2.0}, "precompression": {"force": 5.0}}
+STIFF |= {"walls": {"left": "bead", "right": "bead"}, "kick": {"bead": 3, "velocity": 1.0}}
+STIFF |= {"duration": 10.0, "timestep": 0.005, "output": {"every": 0.01}}
+"""Contacts so stiff under their load that the fastest motion turns by 2 rad from frame to frame."""
 
 
 @pytest.mark.slow
 def test_the_error_of_a_peak_is_below_what_is_said_where_a_force_jumps_before_the_largest_frame():
-    """A contact with a linear dashpot opens: the bead is fastest then, and again a quarter of T later."""
-    plain = {"beads": 8, "contact": {"exponent": 3.0}, "duration": 16.0, "timestep": 0.01}
-    plain |= {"damping": {"contact": 0.20873, "law": "linear"}, "foundation": {"stiffness": 0.28136}}
-    plain |= {"kick": {"bead": 7, "velocity": 1.0}, "output": {"every": 0.01}}
-    fine = engine.run(of_keys(**plain))
-
-    def at_bead_4(run):
-        found = find_peaks([run])
-        return found.where(found.bead == 4).first()
-
-    true = at_bead_4(fine)
+    fine = engine.run(of_keys(**JUMPS))
+    true = find_peaks([fine])
+    true = true.where(true.bead == 4).first()
     for start in range(27):
-        found = at_bead_4(thinned(fine[start:], 27))
+        found = find_peaks([thinned(fine[start:], 27)])
+        found = found.where(found.bead == 4).first()
         assert np.all(np.abs(found.velocity - true.velocity) <= found.velocity_error), start
 
 
 @pytest.mark.slow
 def test_the_error_of_a_peak_is_below_what_is_said_where_a_load_makes_motion_fast_between_two_frames():
-    """Contacts so stiff under their load that the fastest motion turns by 2 rad from frame to frame."""
-    plain = {"beads": 9, "contact": {"exponent": 2.0}, "precompression": {"force": 5.0}}
-    plain |= {"walls": {"left": "bead", "right": "bead"}, "kick": {"bead": 3, "velocity": 1.0}}
-    plain |= {"duration": 10.0, "timestep": 0.005, "output": {"every": 0.01}}
-    fine = engine.run(of_keys(**plain))
+    fine = engine.run(of_keys(**STIFF))
     true = find_peaks([fine])
     for start in range(0, 33, 4):
         found = find_peaks([thinned(fine[start:], 33)])
         found = found.where((found.velocity > 0.1) & (found.time > 0.5))
         assert len(found) >= 36
-        for k in range(len(found)):
-            own = true.where((true.chain == found.chain[k]) & (true.bead == found.bead[k]))
-            nearest = own.velocity[np.argmin(np.abs(own.time - found.time[k]))]
-            assert abs(nearest - found.velocity[k]) <= found.velocity_error[k], start
+        assert np.all(errors_of(found, true)[0] <= found.velocity_error), start
 
 
 @pytest.mark.parametrize("damping", [{"contact": 30.0}, {"contact": 0.3, "tension": "cut"}], ids=["strong", "cut"])
@@ -227,14 +219,19 @@ def test_maxima_are_as_accurate_as_stated_where_dashpots_stop_beads_within_a_fra
     for beads, bead in ((3, 1), (6, 3)):
         plain = {"beads": beads, "kick": {"bead": bead, "velocity": 1.0}, "duration": 12.0, "damping": damping}
         run = engine.run(of_keys(**plain, output={"every": 0.002}))
-        true, found = (find_peaks([part]) for part in (run, run[::50]))
-        found = found.where(found.velocity > 0.02)
-        assert len(found) > 1
-        for k in range(len(found)):
-            own = true.where(true.bead == found.bead[k])
-            same = np.argmin(np.abs(own.time - found.time[k]))
-            assert abs(own.velocity[same] - found.velocity[k]) <= found.velocity_error[k] + 1e-8
-            assert abs(own.time[same] - found.time[k]) <= found.time_error[k] + 1e-6
+        found = find_peaks([run[::50]])
+        assert_as_sure_as_stated(found.where(found.velocity > 0.02), find_peaks([run]), 2, fine=1e-6)
+
+
+@pytest.mark.parametrize("width", [0.001, 0.3])
+def test_maxima_are_as_accurate_as_stated_where_a_foundation_stiffens_between_two_frames(width):
+    ramp = {"from": 0.2, "to": 2.0, "times": [2.97, 2.97 + width]}
+    plain = {"beads": 8, "kick": {"velocity": 1.0}, "duration": 4.0, "foundation": {"stiffness": ramp}}
+    run = engine.run(of_keys(**plain, output={"every": 0.002}))
+    true = find_peaks([run])
+    for start in range(0, 50, 5):
+        found = find_peaks([run[start::50]])
+        assert_as_sure_as_stated(found.where((found.velocity > 0.02) & (found.time > 0.1)), true, 2, fine=1e-6)
 
 
 def latest_over_stated(run, fine, every, start=0):
@@ -251,12 +248,14 @@ def latest_over_stated(run, fine, every, start=0):
     return worst
 
 
-def test_maxima_are_as_accurate_as_stated_where_the_dashpot_of_a_neighbour_jumps():
+@pytest.mark.parametrize("mass", [1.0, 4.0])
+def test_maxima_are_as_accurate_as_stated_where_the_dashpot_of_a_neighbour_jumps(mass):
     """A contact that closes or opens beside a neighbour changes the slope of the force of the dashpot between both."""
     plain = {"beads": 4, "kick": {"velocity": 1.0}, "duration": 12.0, "damping": {"contact": 0.1}}
-    run = engine.run(of_keys(**plain, output={"every": 0.01}))
+    alike = {"kinds": {"bead": {"mass": mass}}, "pattern": ["bead"]}
+    run = engine.run(of_keys(**plain, **alike, output={"every": 0.01}))
     worst = [latest_over_stated(run, 0.01, every, start) for every in (0.05, 0.1, 0.2) for start in (0, 2, 4)]
-    assert 0.05 < max(worst) < 1.0
+    assert 0.1 < max(worst) < 1.0
 
 
 @pytest.mark.slow
@@ -273,34 +272,17 @@ def test_maxima_are_as_accurate_as_stated_where_the_dashpot_of_a_neighbour_jumps
 def test_maxima_are_as_accurate_as_stated_with_every_law_of_dashpots(damping):
     """Where tension is cut, in frames up to 0.3 T apart: at 0.5 T a flat maximum was off by 1.13 times its bound."""
     coupled = {"chains": 2, "coupling": {"stiffness": 0.3}, "duration": 16.0}
-    for beads, walls in ((4, None), (5, {"left": "flat", "right": "rigid"}), (7, {"right": "bead"})):
+    for beads, walls in ((4, None), (5, {"left": "flat", "right": "rigid"})):
         keys = {**coupled, "beads": beads, "kick": [{"velocity": 1.0}, {"chain": 2, "bead": 3, "velocity": 0.26}]}
         run = engine.run(of_keys(**keys, walls=walls, damping=damping, output={"every": 0.01}))
-        for every in (0.05, 0.1, 0.2, 0.3, *(() if "tension" in damping else (0.5,))):
+        for every in (0.05, 0.1, 0.3, *(() if "tension" in damping else (0.5,))):
             assert latest_over_stated(run, 0.01, every) < 1.0
-
-
-@pytest.mark.parametrize("width", [0.001, 0.3])
-def test_maxima_are_as_accurate_as_stated_where_a_foundation_stiffens_between_two_frames(width):
-    ramp = {"from": 0.2, "to": 2.0, "times": [2.97, 2.97 + width]}
-    plain = {"beads": 8, "kick": {"velocity": 1.0}, "duration": 4.0, "foundation": {"stiffness": ramp}}
-    run = engine.run(of_keys(**plain, output={"every": 0.002}))
-    true = find_peaks([run])
-    for start in range(0, 50, 5):
-        found = find_peaks([run[start::50]])
-        found = found.where((found.velocity > 0.02) & (found.time > 0.1))
-        assert len(found) > 1
-        for k in range(len(found)):
-            own = true.where(true.bead == found.bead[k])
-            same = np.argmin(np.abs(own.time - found.time[k]))
-            assert abs(own.velocity[same] - found.velocity[k]) <= found.velocity_error[k] + 1e-7, start
-            assert abs(own.time[same] - found.time[k]) <= found.time_error[k] + 1e-6, start
 
 
 @pytest.mark.parametrize("law", [rectangular, half_sine])
 @pytest.mark.parametrize("recorded", [None, (2,)])
 def test_the_error_of_a_peak_is_below_what_is_said_where_a_push_ends_between_two_frames(law, recorded):
-    for share in np.linspace(0.02, 0.98, 25):
+    for share in np.linspace(0.02, 0.98, 13):
         push = Load(1, 2, law(0.2, 4.0 + 0.5 * share))
         what = pushed(problem(1, 0.0, 3, 20.0, 0.5, gap=30.0), push)
         what = replace(what, rows=what.rows.only(recorded))
@@ -355,8 +337,10 @@ def test_what_no_polynomial_follows_is_what_hermites_misses(power, away, between
     np.testing.assert_allclose(found, MARGIN * worst, rtol=0.12, atol=1e-12)
 
 
-def test_where_nothing_begins_nothing_is_missed():
-    assert not unfollowed(1.5, np.array([np.inf, 10.0]), np.array([False, False])).any()
+def test_a_force_that_begins_between_two_frames_begins_after_the_first_however_far_away_it_seems_to():
+    near, far = unfollowed(1.5, np.array([1.5, 1.9]), np.array([True, True])).T
+    assert np.array_equal(near, far)
+    assert np.all(near > 0.0)
 
 
 @pytest.mark.slow
@@ -373,21 +357,13 @@ def test_where_nothing_begins_nothing_is_missed():
 )
 def test_maxima_are_as_sure_as_they_say_whatever_the_contacts(keys):
     worst = 0.0
-    for beads, bead in ((3, 1), (5, 2), (6, 3), (8, 1), (11, 2)):
+    for beads, bead in ((3, 1), (6, 3), (11, 2)):
         plain = {"beads": beads, "kick": {"bead": bead, "velocity": 1.0}, "duration": 24.0}
         run = engine.run(of_keys(**plain, output={"every": FINE}, **keys))
         for every, way in itertools.product((0.1, 0.2, 0.5), (1, -1)):
             right, found = (find_peaks([part], direction=way) for part in (run, run[:: round(every / FINE)]))
             worst = max([worst, *(_off(found, k, right, every) for k in range(len(found)))])
     assert 0.05 < worst < 1.0
-
-
-@pytest.mark.slow
-def test_beads_that_are_kicked_between_damped_walls_are_fastest_at_the_start():
-    plain = {"beads": 3, "kick": {"velocity": 1.0}, "duration": 4.0, "output": {"every": 0.1}}
-    plain |= {"damping": {"contact": 0.3}, "walls": {"right": "flat", "left": "bead"}}
-    first = find_peaks([engine.run(of_keys(**plain))]).first()
-    assert (first.bead[0], first.time[0], first.velocity[0]) == (1, 0.0, 1.0)
 
 
 def _off(found: Peaks, k: int, right: Peaks, every: float) -> float:
@@ -453,7 +429,7 @@ def test_a_second_kick_ahead_begins_another_pulse_and_no_speed_leads_across(sign
 @pytest.mark.slow
 def test_no_speed_is_negative_or_between_pulses_in_scenes_of_several_kicks_walls_and_resonators():
     chance, speeds = random.Random(7), 0
-    for number in range(24):
+    for number in range(12):
         chains, beads = chance.choice([1, 2]), chance.randint(6, 14)
         keys = {"chains": chains, "beads": beads, "duration": chance.uniform(10.0, 30.0)}
         if chains > 1:
@@ -469,4 +445,4 @@ def test_no_speed_is_negative_or_between_pulses_in_scenes_of_several_kicks_walls
         results = surveyed(engine.run(of_keys(**keys)))
         assert speeds_across_pulses(results) == [], keys
         speeds += int(np.count_nonzero(np.isfinite(results.waves.speed)))
-    assert speeds > 100
+    assert speeds > 50

@@ -56,7 +56,7 @@ def test_a_pulse_is_clear_of_another_that_follows_four_beads_behind_but_of_no_ne
 def test_of_two_maxima_of_a_passage_that_which_more_beads_have_stays():
     exact = solitary_wave()
     near = float(exact.width) / SPEED
-    long, short, late = passing(), passing(last=30, start=0.5 * near), passing(last=30, start=1.5 * near)
+    long, short, late = passing(), passing(last=30, start=0.9 * near), passing(last=30, start=1.1 * near)
     beside, towards = passing(last=30, chain=2), passing(last=30, direction=-1)
     kept = once_each((short, long, late, beside, towards), exact)
     assert [id(pulse) for pulse in kept] == [id(pulse) for pulse in (long, late, beside, towards)]

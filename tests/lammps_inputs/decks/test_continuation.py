@@ -8,7 +8,7 @@ from kill_many import frames
 from processes import HANGS
 from stock_lammps import MPIEXEC, scene
 
-from lammps_inputs import Kick, file_names
+from lammps_inputs import file_names
 from lammps_inputs.decks import continuation, deck, scene_files
 from lammps_inputs.ingredients.damping import Damping
 from workflow.engines.lammps import files_on_disk, mpi
@@ -42,13 +42,8 @@ def lmp(executable, lmp_of):
 
 CASES = {
     "coupled": a_scene(duration=60.0),
-    "gap": a_scene(gap=1.5, kappa=1e-3, duration=100.0),
-    "far apart": a_scene(
-        kappa=1e-4, duration=100.0, kick=(Kick(chain=1, bead=6, velocity=-1.0), Kick(chain=3, bead=2, velocity=0.7))
-    ),
     "recorded": a_scene(chains=1, kappa=None, duration=60.0, recorded=(3, 7)),
     "suzuki4": a_scene(chains=2, duration=60.0, scheme="suzuki4"),
-    "damped": a_scene(chains=2, duration=60.0, timestep=0.01, damping=Damping(contact=0.02, beads=0.001)),
     "damped springs": a_scene(chains=2, duration=60.0, timestep=0.01, damping=Damping(contact=0.02, coupling=0.01)),
     "window": a_scene(chains=2, beads=120, duration=100.0, window=64),
 }
@@ -58,11 +53,11 @@ CASES = {
 @pytest.mark.parametrize(
     ("case", "release", "ranks"),
     [
-        *((case, "wheel", (1, 1)) for case in ("gap", "far apart", "suzuki4", "window")),
+        *((case, "wheel", (1, 1)) for case in ("suzuki4", "window")),
         pytest.param("coupled", "wheel", (1, 2), marks=TWO),
         pytest.param("coupled", "wheel", (2, 1), marks=TWO),
         pytest.param("damped springs", "wheel", (2, 1), marks=TWO),
-        *((case, "2021", (1, 1)) for case in ("recorded", "damped", "window")),
+        *((case, "2021", (1, 1)) for case in ("recorded", "window")),
         pytest.param("coupled", "2021", (2, 2), marks=TWO),
     ],
 )

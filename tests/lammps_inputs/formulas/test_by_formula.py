@@ -1,21 +1,16 @@
 """Forces by formula: what may be written, what follows from it; their motion is also in `test_every_ingredient`."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from plain_scene import scene
 
-from lammps_inputs import InputError, laws, library, physics, plugins
-from lammps_inputs.formulas import expression
+from lammps_inputs import InputError, laws, physics
 from lammps_inputs.formulas.expression import names
 from lammps_inputs.formulas.formula_law import Force, FormulaLaw, reach
 from lammps_inputs.limits import rates
 
-SATURATING = {"force": "k*s/sqrt(1+(s/s0)^2)", "k": 0.3, "s0": 0.5}
 MAGNETS = {"force": "A/(d+s)^p", "A": 1.0, "p": 4.0, "d": 1.0}
 HELD = {"walls": {"left": "bead", "right": "bead"}, "chains": 1, "coupling": None}
 
@@ -136,38 +131,4 @@ def test_the_energy_is_the_integral_of_the_force_whether_or_not_sympy_has_a_form
     np.testing.assert_allclose(np.gradient(push, s)[1:-1], laws.stiffness(law, s)[1:-1], atol=1e-3)
 
 
-@pytest.mark.slow
-@pytest.mark.slow  # seconds, in which Python compiles all of sympy
-def test_an_energy_is_found_although_sympy_was_never_imported_before(tmp_path, monkeypatch):
-    monkeypatch.setenv("PYTHONPYCACHEPREFIX", str(tmp_path))
-    expression.derived.cache_clear()
-    assert expression.derived("k*s/sqrt(1+(s/s0)**2)", (("k", 1), ("s0", 1)), ()).even
-
-
-def test_a_scene_keeps_its_formula_and_parameters_and_no_default_beside_them():
-    plain = scene(coupling=SATURATING).plain()
-    assert plain["coupling"] == SATURATING
-    assert library.from_plain(plain, "test").system == scene(coupling=SATURATING).system
-
-
 # --- as a plug-in -----------------------------------------------------------------------------------------------------
-
-
-def test_scenes_without_a_formula_import_nothing_of_formulas_and_one_with_a_formula_does():
-    program = (
-        "import sys; from lammps_inputs import library; from lammps_inputs.decks import scene_files\n"
-        "for name in sys.argv[1:]:\n"
-        "    scene_files.render(library.find(name).resolved())\n"
-        "    print('lammps_inputs.formulas' in sys.modules)\n"
-    )
-    words = [sys.executable, "-c", program, "two-chains", "resonators", "magnets"]
-    done = subprocess.run(words, capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["False", "False", "True"]
-
-
-def test_a_formula_is_refused_in_one_line_where_no_distribution_declares_its_laws(monkeypatch):
-    declared = {key: point for key, point in plugins.declared("laws").items() if key != "force"}
-    monkeypatch.setattr(plugins, "declared", lambda _kind: declared)
-    with pytest.raises(InputError, match=r"coupling\.force: no installed distribution declares laws of formulas"):
-        scene(coupling=SATURATING)
-    assert scene(coupling={"stiffness": 0.1}).problem().chains == 2

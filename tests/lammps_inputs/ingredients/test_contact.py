@@ -10,15 +10,12 @@ from truth import Truth
 
 from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.unit_cell import cell_of
-from lammps_inputs import Scene, file_names
+from lammps_inputs import file_names
 from lammps_inputs.decks import scene_files
 from lammps_inputs.facts import Fact
-from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import StepHalving
-from workflow.runs.contacts import at_most
 from workflow.runs.run import run
-from workflow.sweep.fields import all_fields
 from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -54,15 +51,6 @@ def test_linear_contacts_carry_no_pulse(tmp_path):
     assert found.conservation.energy_drift < 1e-4
 
 
-def test_a_pulse_is_no_faster_than_a_bead_a_unit_of_time_whatever_the_exponent():
-    assert [rates.front_speed(touching(p).system) for p in (1.0, 1.25, 1.5, 2.0, 3.0)] == [1.0] * 5
-
-
-def test_an_accuracy_is_kept_with_another_exponent(tmp_path):
-    asked = touching(2.0, accuracy=1e-3, duration=10.0)
-    assert run(asked, tmp_path / "run").check.velocity <= 1e-3
-
-
 def test_the_2021_release_says_in_one_line_what_it_cannot_do_and_does_linear_contacts(lmp_of, tmp_path):
     said = {}
     for exponent in (1.0, 2.0):
@@ -74,16 +62,6 @@ def test_the_2021_release_says_in_one_line_what_it_cannot_do_and_does_linear_con
         said[exponent] = done.stdout
     assert "need LAMMPS of 15Jun2023 or later" in said[2.0].splitlines()[-1]
     assert "Total wall time" in said[1.0]
-
-
-def test_masses_may_differ():
-    kinds = {"kinds": {"light": {"mass": 0.5, "radius": 1.0}}, "pattern": ["light"]}
-    assert np.all(touching(2.0, **kinds).problem().system.mass == 0.5)
-
-
-def test_a_sweep_may_vary_exponents_strengths_and_frequencies():
-    keys = {"contact.exponent", "contact.exponent.spread", "contact.strength", "contact.strength.to", "drive.frequency"}
-    assert keys <= set(all_fields(Scene))
 
 
 def graded(strength, **changes):
@@ -119,19 +97,8 @@ def test_contacts_of_unlike_exponents_move_as_an_independent_integration(contact
     assert error < StepHalving(problem).run().velocity < 5e-5
 
 
-def test_a_list_of_one_exponent_is_that_exponent():
-    one, other = (touching(p, timestep=0.01) for p in (2.0, [2.0] * 7))
-    assert other.problem().system == one.problem().system
-
-
 def test_contacts_that_alternate_under_load_have_the_bands_of_a_chain_of_two_springs():
     case = graded({"amplitude": 0.5, "wavenumber": 0.5}, beads=40, precompression={"force": 1})
     soft, hard = (1.5 * strength ** (2.0 / 3.0) for strength in (0.5, 1.5))
     bands = cell_of(case.problem().system).bands()
     np.testing.assert_allclose(bands**2, [[0.0, 2.0 * soft], [2.0 * hard, 2.0 * (soft + hard)]], rtol=1e-9, atol=1e-9)
-
-
-def test_pressures_are_those_of_spheres_only():
-    steel = {"material": {"name": "steel", "radius": 4.76e-3}, "duration": 1e-4, "output": {}}
-    assert at_most(graded(None, contact=None, **steel)) is not None
-    assert at_most(graded({"spread": 0.1}, **steel)) is None

@@ -5,9 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lammps_inputs import library, physics, strict_yaml
+from lammps_inputs import library, physics
 from lammps_inputs.decks import deck
-from lammps_inputs.laws.spring import Linear
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.rates import stability_bound
 
@@ -45,18 +44,6 @@ def test_an_edge_may_have_its_own_stiffness():
     link = spring({"stiffness": 0.1, "topology": {"edges": [[1, 2], [1, 3, 0.4], [2, 3, 0.0]]}})
     assert link.edges == ((0, 1), (0, 2))
     np.testing.assert_array_equal(link.law.spring, np.repeat([[0.1], [0.4]], 8, axis=1))
-
-
-def test_a_scene_is_written_as_it_was_read():
-    coupling = {
-        "model": "linear",
-        "stiffness": {"rows": [2, 5], "from": 0.0, "to": 0.1},
-        "topology": {"lattice": [1, 3]},
-    }
-    one = scene(coupling)
-    assert one.plain()["coupling"] == coupling
-    assert library.from_plain(one.plain(), "again") == one
-    assert "rows: [2, 5]" in strict_yaml.dump(one.plain())
 
 
 def test_a_bond_type_is_one_stiffness():
@@ -103,19 +90,3 @@ def test_many_chains_are_bounded_without_a_matrix():
 def test_chains_that_are_tied_are_one_group():
     system = scene(graph(edges=[[1, 4], [2, 3]]), chains=5).system
     assert [physics.tied_to(system, chain) for chain in range(5)] == [[0, 3], [1, 2], [1, 2], [0, 3], [4]]
-
-
-def test_only_equal_springs_from_each_chain_to_the_next_count_as_the_paper_s():
-    assert physics.simply_coupled(scene({"stiffness": 0.1}).system)
-    for coupling in (
-        {"stiffness": 0.1, "topology": "ring"},
-        {"stiffness": 0.1, "rows": [1, 4]},
-        {"stiffness": 0.1, "cubic": 1.0},
-        graph(edges=[[1, 2]]),
-    ):
-        assert not physics.simply_coupled(scene(coupling).system)
-
-
-def test_springs_without_stiffness_are_none():
-    assert scene({"stiffness": 0.0, "topology": "ring", "cubic": 0.0}).system.across == ()
-    assert isinstance(spring({"stiffness": 0.2, "cubic": 0.0}).law, Linear)

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from stock_lammps import run, scene
 
-from lammps_inputs import Kick, Scene, laws, library, physics
+from lammps_inputs import Kick, laws, library, physics
 from lammps_inputs.decks import deck
-from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.contacts.power import PowerContact
 from lammps_inputs.ingredients.damping import Damping
 from lammps_inputs.ingredients.preload import Precompression
@@ -23,10 +22,6 @@ from lammps_inputs.limits.rates import stability_bound
 from workflow.engines.reference import engine
 
 SLOW = pytest.mark.slow
-
-
-def damped(**keys: Any) -> Scene:
-    return scene(chains=2, beads=3, kappa=0.5, duration=3.0, every=0.5, timestep=0.002, damping=Damping(**keys))
 
 
 @pytest.mark.parametrize("load", [None, 4.94])
@@ -146,16 +141,6 @@ def test_lammps_damps_springs_between_each_chain_and_the_next_whatever_their_law
     assert np.max(np.abs(free.velocity - reference.velocity)) > 5e-3
 
 
-@pytest.mark.parametrize("coupling", [{"stiffness": 0.3, "rows": [2, 3]}, {"stiffness": 0.3, "topology": "ring"}])
-def test_by_the_reference_dashpots_are_beside_every_spring_and_nowhere_else(coupling: dict[str, Any]) -> None:
-    plain = {"name": "tied", "chains": 3, "beads": 4, "kick": {"velocity": 1.0}, "duration": 5.0}
-    case = library.from_plain({**plain, "coupling": coupling, "damping": {"coupling": 0.1}}, "tied")
-    (spring,), (damper,) = case.system.couplings, case.system.dampers
-    coefficient = np.broadcast_to(damper.law.coefficient, (len(spring.edges), 4))  # type: ignore[attr-defined]
-    assert damper.edges == spring.edges  # type: ignore[attr-defined]
-    assert np.array_equal(coefficient > 0.0, np.broadcast_to(spring.law.spring, coefficient.shape) > 0.0)  # type: ignore[attr-defined]
-
-
 def test_a_restitution_is_that_of_the_reduced_mass_and_the_strength_of_each_contact() -> None:
     kinds = {"light": {"mass": 0.25}, "hard": {"stiffness": 3.0}}
     several: dict[str, Any] = {"kinds": kinds, "pattern": ["light", "hard", "hard"]}
@@ -164,16 +149,6 @@ def test_a_restitution_is_that_of_the_reduced_mass_and_the_strength_of_each_cont
     (link,) = library.from_plain(plain, "a").system.dampers
     right = [alpha(0.7) * math.sqrt(0.25 / 1.25 * 1.5), alpha(0.7) * math.sqrt(0.5 * 3.0)]
     np.testing.assert_allclose(link.law.coefficient, [right], rtol=1e-14)  # type: ignore[attr-defined]
-
-
-def test_damping_says_what_it_takes_away() -> None:
-    def lacks(**keys: Any) -> frozenset[Fact]:
-        return damped(**keys).problem().system.lacks
-
-    any_damping = {Fact.ENERGY, Fact.FRONT, Fact.REVERSIBLE}
-    assert lacks(contact=0.1) == {*any_damping, Fact.SECOND_ORDER}
-    assert lacks(beads=0.1) == {*any_damping, Fact.MOMENTUM}
-    assert lacks(beads=0.1, coupling=0.1) == {*any_damping, Fact.MOMENTUM, Fact.SECOND_ORDER}
 
 
 def test_strong_dashpots_shorten_the_stable_step() -> None:

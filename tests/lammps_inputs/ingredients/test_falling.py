@@ -9,7 +9,6 @@ from scene_keys import units
 from truth import Truth
 
 from lammps_inputs import library, physics
-from lammps_inputs.decks import deck
 from workflow.engines.reference import engine
 from workflow.runs.run import run
 from workflow.verdicts.analysis_files import analyse
@@ -56,24 +55,23 @@ def test_the_speed_at_the_floor_is_that_of_the_fall_to_every_digit():
     assert case.scale.velocity == pytest.approx(math.sqrt(2.0 * 0.1 * (2.0 + 0.1 ** (2.0 / 3.0))), rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    "keys",
-    [
-        {"gap": 0.5, "beads": 5, "walls": {"right": "bead"}},
-        {"beads": 8, **DIMER, "walls": {"left": "flat", "right": "rigid"}, "kick": {"velocity": -0.4}},
-        {
-            "chains": 2,
-            "coupling": {"stiffness": 0.1},
-            "beads": 4,
-            "walls": {"right": "flat"},
-            "damping": {"beads": 0.02},
-        },
-        {"beads": 4, "walls": {"right": "bead"}, "initial": {"bead": 2, "displacement": -1.5}, "gap": 2.0},
-    ],
-    ids=["gaps", "unlike, kicked", "coupled, drag", "displaced"],
-)
-def test_a_column_that_falls_moves_as_by_the_independent_integrator(keys, tmp_path):
-    case = scene(**{"duration": 20.0, "timestep": 0.005, "output": {"every": 0.5}, **keys})
+FALLING = {
+    "gaps": {"gap": 0.5, "beads": 5, "walls": {"right": "bead"}},
+    "unlike, kicked": {"beads": 8, **DIMER, "walls": {"left": "flat", "right": "rigid"}, "kick": {"velocity": -0.4}},
+    "coupled, drag": {
+        "chains": 2,
+        "coupling": {"stiffness": 0.1},
+        "beads": 4,
+        "walls": {"right": "flat"},
+        "damping": {"beads": 0.02},
+    },
+    "displaced": {"beads": 4, "walls": {"right": "bead"}, "initial": {"bead": 2, "displacement": -1.5}, "gap": 2.0},
+}
+
+
+@pytest.mark.parametrize("name", ["gaps", *(pytest.param(name, marks=pytest.mark.slow) for name in list(FALLING)[1:])])
+def test_a_column_that_falls_moves_as_by_the_independent_integrator(name, tmp_path):
+    case = scene(**{"duration": 20.0, "timestep": 0.005, "output": {"every": 0.5}, **FALLING[name]})
     problem, unit = case.problem(), units(case)
     done = run(case, tmp_path / "run")
     exact = Truth(case, problem.duration, 1e-11).states(problem.every * np.arange(problem.frames + 1))[1]
@@ -87,11 +85,3 @@ def test_a_column_that_falls_moves_as_by_the_independent_integrator(keys, tmp_pa
     assert 0.4 * overlap**2.5 < physics.energy(problem.system)
     image = engine.run(mirrored_problem(problem), steps_per_frame=engine.default_steps_per_frame(problem))
     np.testing.assert_allclose(image.velocity, -reference.velocity[..., ::-1], rtol=0.0, atol=1e-9)
-
-
-def test_a_settled_column_has_the_deck_that_it_had():
-    plain = {"name": "a", "beads": 5, "walls": {"right": "flat"}, "kick": {"velocity": 1.0}, "duration": 5.0}
-    one, other = (library.from_plain({**plain, "gravity": g}, "x") for g in (0.1, {"acceleration": 0.1}))
-    assert one == other
-    assert one.plain()["gravity"] == 0.1
-    assert "gravity" not in deck.render_deck(one.problem())

@@ -56,10 +56,9 @@ def test_velocities_alone_are_kicks_which_add_to_those_of_the_same_bead():
     assert state.system.holds(Fact.PULSE)
 
 
-@pytest.mark.parametrize("mode", [1, 3])
-def test_a_normal_mode_of_a_linear_chain_keeps_its_shape(mode, tmp_path):
+def test_a_normal_mode_of_a_linear_chain_keeps_its_shape(tmp_path):
     """Contacts of exponent 1 that stay closed are springs: ``x_i = a sin(q i) cos(omega t)`` between walls."""
-    beads, size, q = 8, 1e-3, mode * math.pi / 9.0
+    beads, size, q = 8, 1e-3, 3.0 * math.pi / 9.0
     omega = 2.0 * math.sin(0.5 * q)
     rows = [[1, i, size * math.sin(q * i), 0.0] for i in range(1, beads + 1)]
     case = scene(
@@ -117,12 +116,3 @@ def test_a_table_of_a_file_may_leave_columns_and_cells_out_and_is_part_of_the_sc
     assert library.from_plain(long.plain(), "x") == long
     with pytest.raises(InputError, match="a file's name may stand in a scene's file only"):
         scene({}, initial={"table": "start.csv"})
-
-
-def test_lists_have_the_values_of_the_beads_of_a_chain():
-    case = scene({}, chains=2, initial={"chain": 2, "displacement": [0.25, 0.0], "velocity": [0.0, -0.5]})
-    assert case.initial[0].rows == ((2, 1, 0.25, 0.0), (2, 2, 0.0, -0.5))
-    listed = physics.initial_state(case.problem().system)
-    by_bead = [{"chain": 2, "bead": 1, "displacement": 0.25}, {"chain": 2, "bead": 2, "velocity": -0.5}]
-    np.testing.assert_array_equal(listed, physics.initial_state(scene({}, chains=2, initial=by_bead).problem().system))
-    assert library.from_plain(case.plain(), "x") == case

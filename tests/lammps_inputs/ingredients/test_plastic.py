@@ -4,7 +4,6 @@ import json
 import math
 from dataclasses import replace
 from functools import partial
-from typing import Annotated
 
 import numpy as np
 import pytest
@@ -12,27 +11,22 @@ from executables import RELEASES
 from plain_scene import goes_on_bit_for_bit
 from stock_lammps import run as run_deck
 from stock_lammps import scene
-from wrong_runs import deck_run, substituted
 
 from analysis import motion
 from analysis.conservation import ConservationMeter
-from analysis.files.recording import Writer
 from analysis.gauges.gauge import at_frames, gauges
-from analysis.labelled import labelled
 from analysis.tracking.peaks import find_peaks
-from analysis.trajectory import Trajectory
-from lammps_inputs import laws, library, materials, physics, references
+from lammps_inputs import laws, materials, physics, references
 from lammps_inputs.decks import deck
 from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.ingredients.unequal import neighbours
 from lammps_inputs.laws.contact import Hertz
-from lammps_inputs.laws.plastic import LargestOverlap, Thornton, WaltonBraun
+from lammps_inputs.laws.plastic import Thornton
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
 from workflow.measures.plastic import power_law
 from workflow.runs.run import run
 from workflow.verdicts.analysis_files import analyse
-from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -68,11 +62,6 @@ def test_restitution_over_four_decades_of_velocity_is_thornton_s_closed_form():
         assert found == pytest.approx(float(Thornton.restitution_at(velocity, math.sqrt(1.6 * 0.1**2.5))), abs=1e-5)
 
 
-def test_a_scene_of_walton_and_braun_s_law_is_read_as_it_is_written():
-    case = plastic(WALTON)
-    assert library.from_plain(case.plain(), "scene") == case
-
-
 @pytest.mark.slow
 def test_walton_and_braun_s_restitution_is_the_same_at_every_velocity():
     for velocity in (0.1, 10.0):
@@ -105,6 +94,20 @@ def test_the_top_of_an_overlap_is_found_within_the_step_to_third_order():
     exact, steps = float(Thornton.restitution_at(1.0, math.sqrt(1.6 * 0.1**2.5))), np.array([2, 8, 32])
     error = [np.mean([abs(separation(plastic(gap=gap), int(n)) - exact) for gap in (0.0, 0.013, 0.037)]) for n in steps]
     assert -np.polyfit(np.log(steps), np.log(error), 1)[0] > 2.4  # contacts that open allow no more than 2.5
+
+
+@pytest.mark.parametrize(
+    ("contact", "step", "restitution", "most"),
+    [(YIELD, 0.8, 0.6069081, 4e-3), ({"yield": {"law": "walton-braun", "restitution": 0.3}}, 0.4, 0.3, 1e-2)],
+    ids=["thornton", "walton-braun"],
+)
+def test_a_contact_that_opens_within_a_coarse_step_pushes_back_as_its_largest_overlap_lets_it(
+    contact, step, restitution, most
+):
+    """A contact lasts 3 T; without the push after the largest overlap errors are 2 to 5 times as large."""
+    gaps = np.linspace(0.0, 0.7, 8)
+    found = [separation(plastic(contact, gap=float(gap), output={"every": step}), 1) for gap in gaps]
+    assert np.sqrt(np.mean(np.square(np.array(found) - restitution))) < most
 
 
 def test_the_centre_of_mass_goes_on_as_before_through_every_contact_that_yields_and_opens():
@@ -145,16 +148,6 @@ def test_an_ingredient_makes_contacts_and_walls_of_a_law_that_depends_on_the_sol
     assert wall.law.strength == pytest.approx(2.0 * 0.25 * case.walls.links(case.setting)[0].law.strength)
 
 
-def test_solids_are_computed_only_for_laws_that_depend_on_them():
-    def computed():
-        raise AssertionError
-
-    for contact in (None, {"exponent": 2.0}, WALTON):
-        assert plastic(contact).setting.law_between(1.0, computed) == plastic(contact).setting.law_between(1.0, None)
-    with pytest.raises(AssertionError):
-        plastic().setting.law_between(1.0, computed)
-
-
 def test_a_named_metal_yields_at_the_strength_of_the_catalogue_only_where_the_scene_asks_for_it():
     named = {"name": "steel", "radius": 4.76e-3}
     kinds = {"a": {"material": "aluminium", "yield_strength": "catalogue"}}
@@ -175,99 +168,10 @@ def test_the_softer_of_two_beads_yields():
     assert first == pytest.approx(0.25 * second)
 
 
-COLLISION = {"beads": 3, "kick": {"velocity": 1.0}, "duration": 30.0}
-
-
 def test_an_elastic_limit_is_hertz_s_law_bit_for_bit():
     one, other = (engine.run(plastic(contact, beads=20).problem()) for contact in ({"yield": {"overlap": 5.0}}, None))
     np.testing.assert_array_equal(one.velocity, other.velocity)
     assert not np.any(physics.dissipated_by_contacts(one.system))
-
-
-class Undeclared(laws.Law):
-    """A law that changes a parameter which it does not declare as the state of contacts."""
-
-    strength: float = 1.0
-    largest: float = 0.0
-
-    next_state = WaltonBraun.next_state
-
-
-def test_a_law_that_changes_a_state_which_it_does_not_declare_is_refused():
-    with pytest.raises(ValueError, match=r"Undeclared has a function `next_state`; it needs a parameter declared as"):
-        laws.refuse_incomplete(Undeclared())
-
-
-class Softened(laws.Law):
-    """A law whose state is not its second parameter, and has another name."""
-
-    softness: LargestOverlap = 0.0
-    strength: float = 1.0
-
-    next_state, permanent, dissipated = (None,) * 3
-
-
-def test_the_state_of_a_law_is_the_parameter_that_declares_it_whatever_its_name_and_place():
-    law = laws.at_state(Softened(), 0.5)
-    assert law == Softened(softness=0.5)
-    assert laws.state_name(law) == "softness"
-    assert laws.turning_overlap(law) == 0.5
-
-
-class Damage(laws.ContactState):
-    """Share of the stiffness that is gone."""
-
-    heading, meaning = "v_damage", "damage"
-
-
-class Damaged(Softened):
-    """A law whose state is a number without unit."""
-
-    softness: Annotated[laws.Pure, Damage()] = 0.0
-
-
-def frames_of_a_contact_with(law):
-    """Two frames of two beads at rest, whose contact is in the states 0 and 0.25."""
-    problem = plastic().problem()
-    links = (replace(problem.system.along[0], law=law),)
-    problem, still = replace(problem, system=replace(problem.system, links=links)), np.zeros((2, 1, 2))
-    states = np.array([[[0.0, 0.0, 0.0]], [[0.0, 0.25, 0.0]]])
-    return Trajectory(problem, np.arange(2.0), still, still, contact_state=states)
-
-
-@pytest.mark.parametrize(
-    ("law", "words", "unit"),
-    [(Thornton(1.0, 0.1), "largest overlap so far of the contact", "length"), (Damaged(), "damage of the contact", "")],
-    ids=["overlap", "damage"],
-)
-def test_labelled_states_of_contacts_have_the_words_and_the_unit_of_their_law(law, words, unit):
-    frames = frames_of_a_contact_with(law)
-    # beads that are not all recorded have no overlaps and forces, which these laws do not compute
-    found = labelled(replace(frames, problem=replace(frames.problem, rows=frames.problem.rows.only((1,)))))
-    state = found["contact_state"]
-    assert state.long_name.startswith(words)
-    assert state.quantity == unit
-    assert state.values[1, 0].tolist() == [0.0, 0.25, 0.0]
-
-
-def test_frames_are_made_again_from_the_columns_that_they_give():
-    for walls in (None, {"right": "rigid"}, {"left": "bead", "right": "bead"}):
-        problem = plastic(walls=walls, beads=4).problem()
-        x, v, states = (np.random.default_rng(1).random((3, 1, beads)) for beads in (4, 4, 5))
-        states[..., 0] *= walls is not None and "left" in walls
-        states[..., -1] *= walls is not None
-        frames = Trajectory(problem, np.arange(3.0), x, v, contact_state=states)
-        columns = [*map(np.stack, frames.states())]
-        assert len(columns[0]) == len(problem.columns)
-        again = Trajectory.of_columns(problem, frames.time, np.stack(columns))
-        for name in ("displacement", "velocity", "contact_state"):
-            np.testing.assert_array_equal(getattr(again, name), getattr(frames, name))
-
-
-def test_a_frame_without_the_states_of_its_contacts_is_not_written(tmp_path):
-    still = np.zeros((1, 2))
-    with Writer(tmp_path / "dump.bin", plastic().problem()) as writer, pytest.raises(ValueError, match="shorter"):
-        writer.append(0, still, still)
 
 
 def test_a_static_load_beyond_yield_is_the_state_at_the_start():
@@ -286,11 +190,6 @@ def test_a_bound_of_the_strain_holds_the_energy_of_first_loading():
             there = laws.at_state(law, law.rest + s)
             held = laws.energy(there, s) + there.dissipated(*there)
             assert held == pytest.approx(energy, rel=1e-9) or held > energy
-
-
-def test_a_scene_with_contacts_that_yield_is_the_same_from_its_own_text():
-    case = plastic(None, material=STEEL)
-    assert library.from_plain(case.plain(), "again") == case
 
 
 UNLIKE = {"kinds": {"a": {}, "b": {"radius": 0.7}}, "pattern": ["a", "b", "b"]}
@@ -354,16 +253,6 @@ def test_the_budget_closes_beside_other_ingredients(name, changes):
     assert seen.energy_drift < (1e-4 if changes else 1e-7)
 
 
-def test_lammps_finds_the_forces_along_a_chain(tmp_path):
-    case = plastic(beads=20, duration=30.0)
-    lost = physics.dissipated_by_contacts(engine.run(case.problem()).system)[-1]
-    done = run(case, tmp_path / "run")
-    assert done.check.velocity < 2.5e-5
-    found = analyse(done.directory, figures=False)
-    assert found.conservation.energy_drift < 1e-4
-    assert found.conservation.budget.dissipated["plastic contacts"][-1] == pytest.approx(lost, abs=1e-5)
-
-
 @pytest.mark.slow
 def test_errors_of_lammps_fall_as_the_square_of_the_step_on_average():
     problem, errors = plastic(beads=20, duration=30.0).problem(), []
@@ -401,14 +290,6 @@ def test_two_ranks_compute_the_bits_of_one(name, tmp_path):
 def test_the_release_of_2021_computes_the_same(name, lmp_of, tmp_path):
     new, old = (run_deck(diverse(name), tmp_path / release, executable=lmp_of(release)) for release in RELEASES)
     np.testing.assert_allclose(old.velocity, new.velocity, rtol=0.0, atol=1e-11)
-
-
-@pytest.mark.slow
-def test_a_deck_whose_contacts_yield_elsewhere_fails_and_no_cause_is_named(tmp_path):
-    case, edit = plastic(beads=8, duration=10.0), substituted(r"variable onset index 0\.1", "variable onset index 0.11")
-    found = validate(deck_run(case, tmp_path / "run", edit))
-    assert found.causes == ()
-    assert found.remarks[-1].startswith("no cause could be determined")
 
 
 @pytest.mark.slow

@@ -11,11 +11,9 @@ from wrong_runs import causes
 
 from analysis.gauges.gauge import gauges
 from analysis.sharing.impulses import measure
-from lammps_inputs import InputError, library
 from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
 from workflow.measures.forces.force_meter import ForceMeter
-from workflow.prepare import pilot
 from workflow.prepare.settings import settle
 from workflow.runs.run import run
 from workflow.verdicts.analysis_files import analyse
@@ -55,7 +53,7 @@ def test_a_pressed_chain_of_linear_contacts_swings_by_its_modes(tmp_path):
 
 
 def test_small_and_large_loads_run_with_a_small_error_and_their_energy(tmp_path):
-    for force in (1e-9, 1e-3, 1.0, 1e3):
+    for force in (1e-9, 1.0, 1e3):
         found = run(loaded(precompression={"force": force}, beads=20, duration=10.0), tmp_path / f"{force}")
         assert found.check.velocity < 3e-4, force
         assert found.check.reference.energy < 1e-6, force
@@ -71,29 +69,17 @@ def test_a_load_of_nearly_nothing_changes_nearly_nothing():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("force", "said"),
+    ("right", "wrong", "said"),
     [
-        (None, "the static load of the contacts is missing"),
-        (0.6, "the static load of the contacts is 2 times as strong as the scene says"),
+        (FREE, {"precompression": {"force": 0.6}}, "2 times"),
+        (COLUMN, {**COLUMN, "gravity": 0.03}, "1.5 times"),
     ],
-    ids=["none", "twice"],
+    ids=["force", "weights"],
 )
-@pytest.mark.parametrize("contact", [None, {"exponent": 2.0}], ids=["spheres", "squares"])
-def test_the_cause_is_named_where_contacts_bear_another_load(force, said, contact):
-    right, other = (
-        engine.run(loaded(output={"every": 0.1}, precompression=given, contact=contact).problem())
-        for given in (FREE["precompression"], force and {"force": force})
-    )
-    assert causes(replace(other, problem=right.problem), right) == [said]
-
-
-@pytest.mark.slow
-def test_the_cause_is_named_where_beads_of_a_column_weigh_more():
-    right, other = (
-        engine.run(loaded(**{**COLUMN, "gravity": weight}, output={"every": 0.1}).problem()) for weight in (0.02, 0.03)
-    )
-    found = causes(replace(other, problem=right.problem), right)
-    assert found == ["the static load of the contacts is 1.5 times as strong as the scene says"]
+def test_the_cause_is_named_where_contacts_bear_another_load(right, wrong, said):
+    one, other = (engine.run(loaded(**keys, output={"every": 0.1}).problem()) for keys in (right, wrong))
+    found = causes(replace(other, problem=one.problem), one)
+    assert found == [f"the static load of the contacts is {said} as strong as the scene says"]
 
 
 @pytest.mark.slow
@@ -134,17 +120,6 @@ def test_the_end_at_a_bead_comes_sooner_the_faster_sound_is():
     assert ends[1] > 30 / rates.front_speed(loaded(precompression={"force": 100.0}).system)
 
 
-def test_the_work_of_a_run_counts_the_rows_that_sound_reaches():
-    slow, fast = (loaded(precompression={"force": f}, beads=1000, duration=50.0).problem() for f in (1e-3, 100.0))
-    assert pilot.work(fast, 1, 0) > 1.8 * pilot.work(slow, 1, 0)
-
-
-def test_the_default_step_follows_sound_and_an_unstable_one_is_refused():
-    assert loaded(precompression={"force": 1e3}).problem().timestep < 0.002
-    with pytest.raises(InputError, match="unstable"):
-        settle(loaded(precompression={"force": 3e3}, timestep=0.25))
-
-
 @pytest.mark.parametrize("force", [0.37, 0.38, 0.41])
 def test_between_unlike_walls_a_chain_rests_as_its_mirror_image_does(force):
     soft, hard = {"stiffness": 0.3}, {"stiffness": 2.0}
@@ -153,9 +128,3 @@ def test_between_unlike_walls_a_chain_rests_as_its_mirror_image_does(force):
         for left, right in ((soft, hard), (hard, soft))
     )
     assert one.rest == other.rest
-
-
-def test_a_scene_says_gravity_as_one_number_and_is_read_back():
-    case = loaded(**COLUMN)
-    assert case.plain()["gravity"] == 0.02
-    assert library.from_plain(case.resolved().plain(), "again").system == case.system

@@ -1,7 +1,6 @@
 """Resonators: peaks, bands and decay in a gap against independent programs; what their deck and data file hold."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ from analysis.files import recording
 from analysis.mda.universe import universe
 from analysis.shape.unit_cell import NoDispersionError, cell_of
 from lammps_inputs import library, physics
-from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
@@ -58,36 +56,6 @@ def test_a_resonator_weighs_on_the_contacts_of_a_column():
 def test_the_bound_of_the_step_holds_the_frequency_of_a_bead_and_its_resonator():
     plain, own = rates.fastest(small([]).system) ** 2, rates.fastest(small().system) ** 2
     assert own - plain == pytest.approx(1.0 * (1.0 + 1.0 / 0.1), rel=1e-12)
-
-
-def test_lines_of_resonators_count_on_from_the_chains_and_their_ties_come_after_the_couplings():
-    system = small([{**LIGHT, "rows": [3, 4]}, HEAVY], chains=2, coupling={"stiffness": 0.1}).system
-    assert physics.lines(system) == 6
-    assert system.across == (*system.couplings, *system.ties)
-    assert [link.edges for link in system.across] == [((0, 1),), ((0, 2), (1, 3)), ((0, 4), (1, 5))]
-    np.testing.assert_array_equal(physics.masses(system)[:, 2], [1.0, 1.0, 0.1, 0.1, 0.5, 0.5])
-    np.testing.assert_array_equal(physics.masses(system)[:, 5], [1.0, 1.0, 0.0, 0.0, 0.5, 0.5])
-    np.testing.assert_array_equal(physics.masses(system, absent=np.inf)[2:4, 5], np.inf)
-
-
-def test_frames_hold_all_lines_where_they_hold_those_of_resonators():
-    trajectory = engine.run(small(duration=1.0).problem())
-    assert trajectory.all_lines
-    assert not replace(trajectory, further_lines=None).all_lines
-
-
-def test_resonators_are_small_atoms_of_their_own_type_after_the_beads():
-    problem = small([{**LIGHT, "rows": [3, 4]}, {**HEAVY, "rows": [4, 5]}], chains=2).problem()
-    lines = deck.render_data(problem).partition("Atoms # hybrid sphere bond\n\n")[2].partition("\n\n")[0].splitlines()
-    atoms = np.array([line.split() for line in lines], dtype=float)
-    np.testing.assert_array_equal(atoms[24:, 0], [27, 28, 39, 40, 52, 53, 64, 65])  # the second kind has its own lines
-    assert set(atoms[:24, 1]) == {1.0}
-    assert set(atoms[24:, 1]) == {2.0}
-    assert set(atoms[24:, 5]) == {0.5}  # those of two rows, 4 apart, never touch
-    np.testing.assert_array_equal(physics.atom_ids(problem.system), atoms[:, 0])
-    said = deck.render_deck(problem)
-    for line in ("special_bonds lj/coul 1 1 1 ", "bond_style harmonic", "fix line all lineforce 1 0 0 "):
-        assert f"\n{line}" in said
 
 
 def test_frames_hold_the_resonators_and_tables_of_beads_do_not(tmp_path, lammps_here):  # noqa: ARG001

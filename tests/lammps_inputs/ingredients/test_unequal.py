@@ -2,7 +2,6 @@
 
 import itertools
 import json
-import re
 from dataclasses import replace
 
 import ingredient_scenes
@@ -15,16 +14,12 @@ from analysis.gauges.gauge import gauges
 from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.long_waves import period_of
 from analysis.sharing.survey import survey
-from analysis.sharing.verdict import EquipartitionState
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
-from lammps_inputs import file_names, find, library, physics
+from lammps_inputs import find, library, physics
 from lammps_inputs.deck_lines import types_by_contact
-from lammps_inputs.decks import deck, scene_files
-from lammps_inputs.ingredients.unequal import Disorder
-from lammps_inputs.laws import contact_lines
+from lammps_inputs.decks import deck
 from lammps_inputs.limits.rates import stability_bound
-from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.measures.cells import CellMeter, left
 from workflow.measures.forces.force_meter import ForceMeter
@@ -40,15 +35,6 @@ DIMER = {"kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.3428}}, "pattern"
 
 def scene(**changes):
     return plain_scene.scene(**{"duration": 16.0, **changes})
-
-
-@pytest.mark.parametrize("name", ["dimer", "another pattern in each chain", "disorder"])
-def test_acceleration_and_its_rate_at_chosen_beads_are_those_of_all(name):
-    found = engine.run(ingredient_scenes.scene(name, beads=12, duration=16.0).problem())
-    frame, chain, bead = np.array([9, 20, 30]), np.array([0, 1, 0]), np.array([3, 5, 0])
-    chosen, _ = motion.acceleration_and_rate(found, frame, chain, bead)
-    everywhere = motion.acceleration(found.problem.system, found.displacement)
-    np.testing.assert_allclose(chosen, everywhere[frame, chain, bead], rtol=1e-12, atol=1e-14)
 
 
 def test_walls_are_as_hard_as_the_beads_before_them_make_them():
@@ -92,27 +78,11 @@ def test_beads_in_si_press_as_hard_as_their_own_contact_says(tmp_path):
     assert found.overlap == pytest.approx(overlap / (2.0 * radius), rel=1e-3)
 
 
-def test_masses_alone_need_no_other_contacts():
-    texts = scene_files.render(scene(**DIMER))
-    assert "pair_style gran/hertz/history" in texts[file_names.DECK]
-    assert "set group all mass" not in texts[file_names.DECK]
-
-
 def test_densities_give_the_masses_within_rounding():
     radius = 2.0
     line = next(row for row in deck.render_data(scene(**DIMER).problem()).splitlines() if row.startswith("2 1 "))
     density = float(line.split()[6])
     assert 4.0 * np.pi / 3.0 * radius**3 * density == pytest.approx(0.3428, rel=4e-16)
-
-
-def test_disorder_is_the_same_on_any_machine():
-    found = Disorder(mass=0.02, seed=1).factors("mass", (1, 3))
-    expected = 1.0 + 0.02 * (2.0 * np.random.Generator(np.random.PCG64([1, 0])).random(3) - 1.0)
-    np.testing.assert_array_equal(found[0], expected)
-    assert found[0].tolist() == DISORDER_1
-
-
-DISORDER_1 = [1.0004728649880104, 1.0180185478530375, 0.9857663845087854]
 
 
 @pytest.mark.parametrize("number", [1, 19, 300])
@@ -203,14 +173,6 @@ def test_a_striker_makes_a_train_of_pulses(mass, train):
 # --- runs -------------------------------------------------------------------------------------------------------------
 
 
-def test_types_that_tell_contacts_apart_are_found_once_for_a_deck(monkeypatch):
-    found = []
-    counted = lambda *args, **named: found.append(1) or types_by_contact(*args, **named)  # noqa: E731
-    monkeypatch.setattr(contact_lines, "types_by_contact", counted)
-    scene_files.render(scene(disorder={"radius": 0.1, "seed": 7}, timestep=0.005))
-    assert found == [1]
-
-
 @pytest.mark.slow
 def test_energy_of_a_pulse_behind_a_heavy_bead_is_its_own_wherever_it_is_stated(tmp_path):
     """The second pulse runs six beads behind it; what cells lose is undefined, for they are not all alike."""
@@ -262,22 +224,3 @@ def test_with_two_pulses_on_the_way_none_is_said_to_be_reflected():
     split = final.split(found, 1, 20)
     assert split.before + split.at + split.beyond == pytest.approx(1.0, abs=1e-6)
     assert np.isnan(split.reflected)
-
-
-def test_chains_of_different_beads_are_not_said_to_beat(tmp_path):
-    case = scene(beads=30, duration=40.0, **{**DIMER, "pattern": [["heavy"], ["light"]]})
-    verdict = analyse(run(case, tmp_path / "run", check=False).directory, figures=False).survey.verdict
-    assert verdict.state is EquipartitionState.UNLIKE
-    assert verdict.sentence.startswith("the chains are of different beads")
-
-
-def test_a_heavy_striker_s_wave_is_told_to_be_above_the_kick_and_to_head_a_train(tmp_path, capsys):
-    case = scene(chains=1, coupling=None, beads=60, striker={"mass": 4.0, "velocity": 1.0}, kick=None, duration=110.0)
-    run(case, tmp_path / "run", check=False)
-    assert main(["analyze", str(tmp_path / "run"), "--no-figures"]) == 0
-    told = capsys.readouterr().out
-    assert "21.3% above the kick" in told
-    number = r" \+- [\de.-]+"
-    train = f"1\\.213\\d{number}, 0\\.5505{number}, 0\\.2658{number}, 0\\.1324{number} V, intervals"
-    assert re.search(rf"a train of 4 pulses passes bead \d+ of chain 1: peak velocities {train}", told)
-    assert "in every bead" not in told

@@ -8,7 +8,6 @@ import pytest
 from ingredient_scenes import STEEL
 from plain_scene import scene
 
-from analysis.sharing.survey import survey
 from analysis.trajectory import joined
 from lammps_inputs import find, library
 from lammps_inputs.limits.rates import stability_bound
@@ -84,27 +83,6 @@ def test_a_wall_like_a_bead_is_the_middle_of_a_chain_hit_from_both_ends():
 
 
 @pytest.mark.slow
-def test_the_wave_that_leads_and_its_verdict_do_not_know_of_the_wall_it_comes_to():
-    free, held = (
-        walled(walls, beads=60, duration=110.0, output={"every": 0.2}).problem() for walls in (None, {"right": "bead"})
-    )
-    found = [survey(lambda problem=problem: iter([engine.run(problem)]), problem) for problem in (free, held)]
-    before = [one.waves.where(one.waves.bead <= 55) for one in found]
-    np.testing.assert_array_equal(before[0].peak_velocity, before[1].peak_velocity)
-    np.testing.assert_array_equal(before[0].arrival, before[1].arrival)
-    assert found[0].verdict == found[1].verdict
-    back = [pulse for pulse in found[1].pulses if pulse.direction < 0 and pulse.bead[0] > 50]
-    assert {pulse.chain for pulse in back} == {1, 2}
-    assert not any(found[1].leads(pulse) for pulse in back)
-
-
-def test_what_a_wall_behind_the_hit_bead_throws_back_does_not_lead():
-    problem = walled({"left": "bead"}, chains=1, coupling=None, beads=60, kick={"bead": 20, "velocity": 1.0}).problem()
-    found = survey(lambda: iter([engine.run(problem.coarser(1))]), problem)
-    assert found.waves.bead.min() == 20
-
-
-@pytest.mark.slow
 def test_the_installed_scene_shows_the_known_numbers_through_lammps(tmp_path, draw_only):
     """Wall over bulk force 1.75040, reflected over incident velocity 0.9998."""
     found = run(find("wall-reflection"), tmp_path / "run")
@@ -154,8 +132,7 @@ ABSORBING = {"matched": ("matched", 1.0), "soft": ({"damping": 0.5}, 0.25), "har
 """Ends of a bar with Z = sqrt(k m) = 2, and c / Z."""
 
 
-@pytest.mark.parametrize("end", ABSORBING)
-@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize(("end", "side"), [("matched", "right"), ("soft", "left"), ("hard", "right")])
 def test_a_dashpot_at_the_end_of_a_bonded_bar_reflects_what_is_exact_for_waves_of_any_length(end, side):
     """R = (e^(-iq/2) - c/Z) / (e^(iq/2) + c/Z) for q radians a bead, from m u'' = k (u_N-1 - u_N) - c u'."""
     kind, g = ABSORBING[end]

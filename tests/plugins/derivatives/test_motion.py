@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from smooth_scenes import SMALL, SMOOTH, WITH_DERIVATIVES
+from smooth_scenes import SMALL, SMOOTH
 
 import granchain
-from granchain import InputError
 from workflow.engines.reference import engine
 from workflow.plugins.derivatives.motion import Sides, derivatives_of_motion
 from workflow.sweep import fields
@@ -20,10 +19,6 @@ FIELDS = {
 }
 QUICK = ("coupled",)
 """Others are slow, as each is compiled."""
-
-
-def test_scenes_that_are_tested_here_alone_are_tested():
-    assert set(WITH_DERIVATIVES) <= set(FIELDS)
 
 
 def resolved(changes):
@@ -61,19 +56,3 @@ def test_derivatives_are_those_of_the_computed_motion(kind):
         # rounding in the differences of forces, 1e-7 for beads whose motion is given; far below otherwise
         error = np.max(np.abs(np.stack([motion.dx[number], motion.dv[number]]) - expected))
         assert error < 3e-7 * np.max(np.abs(expected)), name
-
-
-def test_recorded_beads_alone_are_kept():
-    scene = resolved({**SMOOTH["coupled"], "output": {"beads": [2, 5]}})
-    few = granchain.load(scene).problem()
-    every = granchain.load({**scene, "output": {**scene["output"], "beads": "all"}}).problem()
-    sides = [sides_of(scene, "coupling.stiffness")]
-    motion, complete = (derivatives_of_motion(problem, sides, 4) for problem in (few, every))
-    assert np.array_equal(motion.dv, complete.dv[:, :, :, [1, 4]])
-
-
-def test_frames_beyond_the_memory_are_refused(monkeypatch):
-    monkeypatch.setattr("workflow.plugins.derivatives.motion.MOST_BYTES", 1e3)
-    scene = resolved(SMOOTH["coupled"])
-    with pytest.raises(InputError, match=r"record less often, with a larger `output\.every`"):
-        derivatives_of_motion(granchain.load(scene).problem(), [sides_of(scene, "coupling.stiffness")])

@@ -1,17 +1,11 @@
 """netCDF and Zarr hold every number of the frames, with units and names, and are written in pieces."""
 
-import errno
-import os
-import subprocess
-
 import numpy as np
 import pytest
 
 import granchain
 from analysis import motion
 from analysis.gauges.gauge import TOUCHING, at_frames, gauges
-from workflow.plugins.export import arrays, request
-from workflow.runs.run_directory import RunDirectory
 
 xarray = pytest.importorskip("xarray", reason="xarray is not installed (granchain[export])")
 pytest.importorskip("h5netcdf", reason="h5netcdf is not installed (granchain[export])")
@@ -43,6 +37,7 @@ def test_frames_read_back_bit_for_bit_in_the_scenes_units(name, read, run_of):
     np.testing.assert_array_equal(dataset.velocity, frames.velocity)
     np.testing.assert_array_equal(dataset.displacement, frames.displacement)
     np.testing.assert_array_equal(dataset.bead, run.trajectory.beads)
+    assert ("contact_force" in dataset) == ("overlap" in dataset) == (name != "recorded")  # of neighbours
     assert dataset.velocity.dims == ("time", "chain", "bead")
     assert dataset.velocity.dtype == np.float64
     assert {dataset[variable].attrs["units"] for variable in ("time", "velocity")} == (
@@ -50,14 +45,10 @@ def test_frames_read_back_bit_for_bit_in_the_scenes_units(name, read, run_of):
     )
 
 
-def test_a_file_holds_what_the_attribute_dataset_holds(read, run_of):
+def test_a_file_holds_what_the_attribute_dataset_holds_or_only_every_nth_frame(read, run_of):
     run = run_of("coupled")
     xarray.testing.assert_identical(run.dataset, read(run).load())
-
-
-def test_only_every_nth_frame_is_written_where_that_is_asked_for(read, run_of):
-    run = run_of("coupled")
-    np.testing.assert_array_equal(read(run, every=7).velocity, run.trajectory.velocity[::7])
+    np.testing.assert_array_equal(read(run, every=7, overwrite=True).velocity, run.trajectory.velocity[::7])
 
 
 @pytest.mark.parametrize("name", ["steel", "damped"])
@@ -77,10 +68,6 @@ def test_an_overlap_is_0_where_beads_are_apart_and_else_the_approach_of_their_ce
     dataset, approach = run.dataset, motion.overlaps(run.trajectory.system, run.trajectory.displacement)
     assert (approach < 0.0).any()
     np.testing.assert_array_equal(dataset.overlap, np.maximum(approach, 0.0) * run.trajectory.problem.scale.length)
-
-
-def test_forces_and_overlaps_are_left_out_where_not_all_beads_are_recorded(run_of):
-    assert set(run_of("recorded").dataset.data_vars) == {"displacement", "velocity"}
 
 
 def test_resonators_have_variables_which_are_nan_where_there_is_none(run_of):
@@ -112,45 +99,10 @@ def test_beads_that_a_window_has_left_are_nan_and_those_ahead_are_at_rest(tmp_pa
 def test_attributes_are_the_scene_its_origin_and_the_error(tmp_path, lammps_here):  # noqa: ARG001
     run = granchain.run({"name": "one", "beads": 8, "kick": {"velocity": 2.0}, "duration": 4.0}, tmp_path / "run")
     attributes = run.dataset.attrs
-    assert granchain.load(_written(attributes["scene"], tmp_path)) == run.directory.scene
+    (tmp_path / "scene.yaml").write_text(attributes["scene"])
+    assert granchain.load(tmp_path / "scene.yaml") == run.directory.scene
     assert attributes["velocity_error"] == run.check.velocity * 2.0
     assert attributes["velocity_uncertainty"] == run.check.reference.velocity * 2.0
     assert attributes["frames_sha256"] == run.directory.fingerprint
     assert "lammps" in attributes["source"]
     assert attributes["history"].startswith(run.directory.job.started)
-
-
-def _written(text, place):
-    (place / "scene.yaml").write_text(text)
-    return place / "scene.yaml"
-
-
-def test_a_full_disk_leaves_what_was_there_and_is_one_line(tmp_path, run_of):
-    disk = tmp_path / "disk"
-    disk.mkdir()
-    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=60k", "none", disk], capture_output=True).returncode:
-        pytest.skip("no tmpfs can be mounted here")
-    try:
-        (disk / "frames.nc").write_text("mine")
-        with pytest.raises(granchain.RunError, match=r"frames.nc: cannot be written \(No space left on device\)"):
-            granchain.export(run_of("coupled"), "netcdf", disk, overwrite=True)
-        assert {path.name: path.read_text() for path in disk.iterdir()} == {"frames.nc": "mine"}
-    finally:
-        subprocess.run(["umount", "-l", disk], check=True)
-
-
-def test_a_write_that_fails_is_raised_when_that_is_checked_and_not_before():
-    with arrays._SureFile("/dev/full", "w") as file:
-        file.check()
-        assert file.write(b"four") == 4
-        assert file.write(b"more") == 4
-        with pytest.raises(OSError, match=os.strerror(errno.ENOSPC)):
-            file.check()
-
-
-def test_a_window_is_cut_into_pieces_by_the_beads_that_are_written_not_by_those_of_its_frames(run_of, monkeypatch):
-    run = run_of("coupled")
-    monkeypatch.setattr(request, "PIECE_BYTES", 16 * 24 * 3)
-    asked = request.ExportRequest(run.directory.path, request.Options(), is_run=True)
-    assert {piece.frames for piece in asked.pieces("x", 1.0)} <= {1, 2, 3}
-    assert isinstance(asked.directory, RunDirectory)

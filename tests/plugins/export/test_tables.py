@@ -2,13 +2,15 @@
 
 import csv
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import granchain
-from workflow.cli import main
-from workflow.plugins.export import tables
+from analysis.figures.panels import BEAD, Axis, Curve, Image, Marks, Panel
+from lammps_inputs.units import Label
+from workflow.plugins.export.figure_numbers import BAND, caption, columns_of
 
 
 def rows(path):
@@ -28,18 +30,6 @@ def test_csv_holds_the_table_of_waves_and_numbers_of_every_panel(run_of, tmp_pat
     np.testing.assert_array_equal(velocities, run.trajectory.velocity[:, 1])
 
 
-def test_every_file_of_numbers_of_a_figure_has_a_caption_that_names_its_quantities_and_the_case(run_of, tmp_path):
-    paths = granchain.export(run_of("coupled"), "csv", tmp_path)
-    head, *lines = rows(tmp_path / "figures.csv")
-    assert head == ["file", "caption"]
-    assert {file for file, _ in lines} == {path.name for path in paths if path.name.startswith("figure-")}
-    for file, caption in lines:
-        quantities = [heading for heading in rows(tmp_path / file)[0][1:] if heading not in ("x", "y", "value")]
-        assert all(heading in caption for heading in quantities), file
-        assert "2 chains of" in caption
-        assert "V = " in caption
-
-
 def test_parquet_holds_the_columns_of_the_csv_with_units_and_null_where_it_is_empty(run_of, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed (granchain[export])")
     run = run_of("steel")
@@ -55,16 +45,15 @@ def test_parquet_holds_the_columns_of_the_csv_with_units_and_null_where_it_is_em
 
 
 @pytest.mark.usefixtures("pool_here")
-def test_a_sweep_is_exported_as_its_table_and_as_nothing_else(tmp_path, capsys):
+def test_a_sweep_is_exported_as_its_table(tmp_path):
     scene = {"name": "tiny", "beads": 8, "kick": {"velocity": 1.0}, "duration": 4.0}
     table = granchain.sweep({"scene": scene, "vary": {"beads": [8, 9]}, "engine": "reference"}, tmp_path / "swept")
     [path] = granchain.export(tmp_path / "swept", "csv")
     assert path == tmp_path / "swept/table.csv"
     assert path.read_text() == table.to_csv()
-    assert main(["export", str(tmp_path / "swept"), "--to", "netcdf"]) == 2
-    assert capsys.readouterr().err.endswith("swept is a sweep, which is exported to parquet or csv\n")
 
 
+@pytest.mark.slow
 def test_figures_are_vector_graphics_with_their_numbers_beside_them(run_of, tmp_path):
     paths = granchain.export(run_of("short"), "svg,pdf", tmp_path)
     names = {path.name for path in paths}
@@ -73,9 +62,38 @@ def test_figures_are_vector_graphics_with_their_numbers_beside_them(run_of, tmp_
     assert (tmp_path / "response.pdf").read_bytes().startswith(b"%PDF")
 
 
-def test_a_table_without_a_row_becomes_a_table_without_a_row(tmp_path):
-    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed (granchain[export])")
-    tables._write_parquet("bead,arrival (s)\n", tmp_path / "waves.parquet")
-    table = parquet.read_table(tmp_path / "waves.parquet")
-    assert (table.num_rows, table.column_names) == (0, ["bead", "arrival (s)"])
-    assert {str(kind) for kind in table.schema.types} == {"double"}
+TIME, SPEED = np.array([0.0, 1.0, 2.0]), np.array([3.0, np.nan, 5.0])
+TIMES, RATIO = Axis(Label("time", "t", "ms")), Axis(Label("ratio", "c\\,(t_\\mathrm{peak})"))
+
+
+def test_curves_and_layers_have_the_names_of_the_legend_and_labels_without_tex():
+    layers = (Curve("kinetic", TIME[:1], np.array([4.0])), Curve("contacts", TIME[:1], np.array([0.5])))
+    panel = Panel(
+        TIMES, RATIO, (Curve("$\\propto n^{2}$", TIME, SPEED),), marks=(Marks([1.0], "no number"),), layers=layers
+    )
+    table = columns_of(panel)
+    assert list(table) == ["series", "time t (ms)", "ratio c (t_peak)"]
+    assert table["series"] == ["propto n^2"] * 3 + ["kinetic", "contacts"]
+    np.testing.assert_array_equal(table["time t (ms)"], [*TIME, 0.0, 0.0])
+    np.testing.assert_array_equal(table["ratio c (t_peak)"], [*SPEED, 4.0, 0.5])  # each has its own, not their sum
+
+
+def test_an_image_has_the_middles_of_its_pixels_and_the_label_of_the_colours():
+    values = np.arange(6.0).reshape(2, 3)
+    image = Image(values, (0.5, 3.5), (0.0, 4.0), Label("velocity", "v"), (0.0, 5.0), signed=True)
+    panel = Panel(BEAD, TIMES, image=image)
+    heading = "velocity v; colour: signed square root"
+    table = columns_of(panel)
+    np.testing.assert_array_equal(table["bead"], [1.0, 2.0, 3.0] * 2)
+    np.testing.assert_array_equal(table["time t (ms)"], [1.0] * 3 + [3.0] * 3)
+    np.testing.assert_array_equal(table[heading], values.ravel())
+    assert (
+        caption(panel, "(a) chain 1", "two\nchains") == f"{heading} over bead and time t (ms); (a) chain 1; two chains"
+    )
+
+
+def test_a_band_has_half_of_its_height_where_there_is_one():
+    curve = Curve("chain 1", TIME, SPEED)
+    table = columns_of(Panel(TIMES, RATIO, (replace(curve, spread=0.5 * TIME), curve)))
+    np.testing.assert_array_equal(table[BAND], [0.0, 0.5, 1.0, np.nan, np.nan, np.nan])
+    assert columns_of(Panel(TIMES, RATIO, (Curve("chain 1", TIME[:0], SPEED[:0]),))) == {}

@@ -12,8 +12,6 @@ from stock_lammps import scene
 from lammps_inputs import InputError
 from lammps_inputs.laws.spring import Linear
 from workflow.cli import main
-from workflow.engines.lammps import mpi
-from workflow.engines.reference.step_halving import compared_rows
 from workflow.errors import RunError
 from workflow.plugins.extremes import study
 from workflow.plugins.extremes.cells import BASE, ReportRun, changed, grid, scaled
@@ -46,14 +44,11 @@ def named(axis, value):
     [
         ("RIGHT", LargestError(1e-5, 1e-6), 1e-5),
         ("RIGHT", LargestError(1e-3, 1e-3), 1e-5),  # says more than is true
-        ("RIGHT", LargestError(0.0, 0.0), 1e-9),
         ("REPORTED", LargestError(0.1, 1e-3), 0.1),
         ("REPORTED", LargestError(1e-4, 0.1), 0.1),  # says how uncertainty it is
-        ("REPORTED", LargestError(math.nan, 0.0), math.nan),
         ("WRONG", LargestError(4.5e-4, 0.0), 6e-4),  # nearly as reported, and more than asked
         ("WRONG", LargestError(1e-5, 1e-6), 1e-3),
         ("WRONG", LargestError(1e-5, 1e-6), math.nan),
-        ("WRONG", LargestError(1e-2, 1e-6), 2e-2),  # large, but still half of what is true
         ("WRONG", LargestError(1e-7, 1e-8), 1e-5),  # as right as asked, and not as right as said
     ],
 )
@@ -67,43 +62,31 @@ def test_an_error_within_the_uncertainty_of_the_reference_is_not_counted_against
 
 
 @pytest.mark.parametrize(
-    ("error", "kind"), [(InputError("no"), "REFUSED"), (RunError("no"), "STOPPED"), (ValueError("no"), "WRONG")]
+    ("failing", "error", "kind"),
+    [
+        ("run", InputError("no"), "REFUSED"),
+        ("run", RunError("no"), "STOPPED"),
+        ("run", ValueError("no"), "WRONG"),
+        ("true_error", InputError("no"), "WRONG"),
+    ],
 )
-def test_a_run_that_ends_by_an_error_is_refused_or_stopped_or_a_crash(error, kind, monkeypatch):
+def test_a_run_that_fails_is_refused_or_stopped_or_a_crash_and_its_comparison_never_a_refusal(
+    failing, error, kind, monkeypatch
+):
     def fail(*_, **__):
         raise error
 
-    monkeypatch.setattr(study, "run", fail)
-    found = study.measure(ReportRun("x", "y", SHORT))
-    assert found.kind == kind
-    assert "no" in found.why
-
-
-def test_a_failure_of_the_comparison_is_not_taken_for_a_refusal(monkeypatch):
-    """And the uncertainty asked for is a tenth of the error that the run reports."""
-    asked = []
-
-    def fail(directory, tolerance):
-        asked.append(tolerance / directory.job.check.velocity)
-        raise InputError("other beads")
-
-    monkeypatch.setattr(study, "true_error", fail)
-    assert study.measure(ReportRun("x", "y", SHORT)).kind == "WRONG"
-    assert asked == [pytest.approx(0.1)]
+    monkeypatch.setattr(study, failing, fail)
+    assert study.measure(ReportRun("x", "y", SHORT)).kind == kind
 
 
 # --- planted errors ---------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def wrong_kappa(tmp_path_factory):
-    """A run whose deck has springs one per cent stiffer than its scene."""
-    path = tmp_path_factory.mktemp("planted") / "run"
-    return wrong_runs.deck_run(scene(chains=2, beads=30, kappa=0.1, duration=30.0), path, wrong_runs.ONE_PERCENT_MORE)
-
-
-def test_a_deck_with_the_wrong_springs_is_silently_wrong(wrong_kappa):
-    assert classify(study.PROMISED, LargestError(1e-4, 1e-6), true_error(wrong_kappa, 1e-5))[0] == "WRONG"
+def test_a_deck_with_springs_one_per_cent_stiffer_than_its_scene_is_silently_wrong(tmp_path):
+    pair = scene(chains=2, beads=30, kappa=0.1, duration=30.0)
+    planted = wrong_runs.deck_run(pair, tmp_path / "run", wrong_runs.ONE_PERCENT_MORE)
+    assert classify(study.PROMISED, LargestError(1e-4, 1e-6), true_error(planted, 1e-5))[0] == "WRONG"
 
 
 def test_wrong_springs_that_a_run_tells_of_are_told_and_wrong_once_it_is_silent(monkeypatch):
@@ -164,8 +147,8 @@ def test_a_run_that_is_not_the_scaled_copy_is_found(tmp_path):
 @pytest.mark.parametrize(
     ("kind", "cell"),
     [
-        *(("RIGHT", named("V", value)) for value in ("1e-12", "1e+12")),
-        *(("RIGHT", named("kappa", value)) for value in ("0", "1e-08")),
+        ("RIGHT", named("V", "1e+12")),
+        ("RIGHT", named("kappa", "1e-08")),
         ("RIGHT", ReportRun("kappa", "1e4", changed(SHORT, coupling={"stiffness": 1e4}, duration=0.1))),
         ("STOPPED", named("step / bound", "0.99")),
         ("REFUSED", named("step / bound", "1.01")),
@@ -184,12 +167,6 @@ def test_a_cell_ends_as_it_should(kind, cell):
     assert kind != "RIGHT" or found.error <= found.asked
 
 
-@pytest.mark.slow
-@pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
-def test_two_ranks_are_right():
-    assert study.measure(ReportRun("ranks", "2", SHORT, ranks=2)).kind == "RIGHT"
-
-
 def test_stiff_springs_are_checked_in_every_phase_of_their_swing():
     # 0.4 T are nine swings to a percent, so frames 0.4 apart show no error
     stiff = changed(SHORT, coupling={"stiffness": 1e4}, timestep=2e-4, output={"every": 0.1}, duration=0.5)
@@ -202,13 +179,6 @@ def test_an_accuracy_is_kept_in_every_phase_of_a_swing():
     cell = named("corners", "accuracy, 5 frames a period")
     found = study.measure(replace(cell, scene=changed(cell.scene, beads=8, duration=0.5)))
     assert found.kind == "RIGHT"
-
-
-@pytest.mark.parametrize(("duration", "rows"), [(250.0, None), (600.0, 200)])
-def test_a_window_that_has_stood_at_the_end_for_long_is_judged_by_the_whole_chains(duration, rows):
-    problem = scene(chains=2, beads=200, kappa=0.05, window=64, duration=duration).problem()
-    assert compared_rows(problem) == rows
-    assert compared_rows(replace(problem, rows=problem.rows.near_front(None))) is None
 
 
 @pytest.mark.parametrize(
@@ -229,18 +199,10 @@ def test_an_automatic_window_takes_in_kicks_that_are_far_apart():
 # --- the report -------------------------------------------------------------------------------------------------------
 
 
-def test_no_two_cells_share_a_name():
-    names = [(cell.axis, cell.value) for cell in CELLS]
-    assert len(set(names)) == len(names)
-
-
-def test_the_quick_report_has_cells_of_every_axis_and_leaves_the_long_ones_out():
+def test_the_quick_report_has_cells_of_every_axis_which_are_chosen_by_name():
     quick = [cell for cell in CELLS if study.cost(cell) <= study.QUICK]
     assert {cell.axis for cell in quick} == {cell.axis for cell in CELLS}
-    assert len(quick) < len(CELLS)
-
-
-def test_parts_are_chosen_by_name():
+    assert len(quick) < len(CELLS) == len({(cell.axis, cell.value) for cell in CELLS})
     assert {cell.axis for cell in grid(["exponents", "masses"])} == {"exponent", "dimer", "impurity", "taper"}
 
 

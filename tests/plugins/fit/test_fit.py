@@ -14,7 +14,6 @@ from lammps_inputs import library, strict_yaml
 from workflow.cli import main
 from workflow.plugins.fit import estimate, goodness, study
 from workflow.plugins.fit.model import Model
-from workflow.plugins.fit.sensors import Sensors
 from workflow.runs.run_directory import RunDirectory
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -36,15 +35,12 @@ def found(tmp_path_factory, request):
     """Directory of a fit of three fields and the time offset to four traces with 2% noise."""
     request.getfixturevalue("lammps_here")
     directory = tmp_path_factory.mktemp("fit")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(study, "STARTS", 1)
-        patch.setattr(study, "BEGUN", 1)
-        assert fit(directory) == 0
+    assert fit(directory) == 0
     return directory / "out"
 
 
 @pytest.mark.slow
-def test_three_fields_and_the_time_offset_are_found_from_noisy_traces_at_1_mhz(found):
+def test_three_fields_and_the_time_offset_are_found_from_noisy_traces_and_run_by_lammps(found):
     report = json.loads((found / "fit.json").read_text())
     truth = {**measured.TRUTH, "time offset": measured.LATE}
     for name, value in truth.items():
@@ -57,13 +53,7 @@ def test_three_fields_and_the_time_offset_are_found_from_noisy_traces_at_1_mhz(f
     assert report["fits"] is True
     assert report["warnings"] == []
     assert report["assumed"] == ["material.radius", "material.density", "material.poisson_ratio"]
-
-
-@pytest.mark.slow
-def test_the_fitted_scene_is_a_scene_that_lammps_has_run_with_its_error(found):
-    scene = library.load(found / "fitted.yaml")
-    report = json.loads((found / "fit.json").read_text())
-    assert scene.coupling.stiffness == report["free"]["coupling.stiffness"]["value"]
+    assert library.load(found / "fitted.yaml").coupling.stiffness == report["free"]["coupling.stiffness"]["value"]
     directory = RunDirectory(found / "lammps")
     assert directory.job.outcome == "done"
     assert report["lammps"]["error_velocity"] == directory.job.check.velocity < 1e-3
@@ -76,8 +66,6 @@ def test_the_fitted_scene_is_a_scene_that_lammps_has_run_with_its_error(found):
 def test_intervals_hold_the_truth_and_fits_are_rejected_as_often_as_stated(tmp_path, monkeypatch):
     """$GRANCHAIN_SEEDS tables (3) that differ in their noise; binomial numbers of them, of 95% and at most 1%."""
     monkeypatch.setattr("workflow.study_kit.directory.write_figure", lambda *_: ())
-    monkeypatch.setattr(study, "STARTS", 1)
-    monkeypatch.setattr(study, "BEGUN", 1)
     seeds = int(os.environ.get("GRANCHAIN_SEEDS", "3"))
     inside, fitting = np.zeros(3, dtype=int), 0
     for seed in range(seeds):
@@ -99,7 +87,6 @@ def test_intervals_hold_the_truth_and_fits_are_rejected_as_often_as_stated(tmp_p
 def test_fields_that_the_data_do_not_distinguish_are_named(tmp_path, monkeypatch, capsys):
     """Contacts know Young's modulus over 1 - nu**2 only."""
     monkeypatch.setattr(study, "STARTS", 2)
-    monkeypatch.setattr(study, "BEGUN", 1)
     free = "material.youngs_modulus,material.poisson_ratio"
     scene = measured.scene(modulus=1.05)
     assert fit(tmp_path, "--no-lammps", scene=scene, free=free, names=measured.NAMES[:2]) == 0
@@ -108,10 +95,6 @@ def test_fields_that_the_data_do_not_distinguish_are_named(tmp_path, monkeypatch
     report = json.loads((tmp_path / "out" / "fit.json").read_text())
     assert report["free"]["material.youngs_modulus"]["low"] is None
     assert report["free"]["time offset"]["value"] == pytest.approx(measured.LATE, rel=0.01)
-
-
-def reversed_sign(traces):
-    return -traces
 
 
 def one_reversed(traces):
@@ -126,19 +109,15 @@ def clipped(traces):
 @pytest.mark.parametrize(
     ("change", "wrong", "noise", "fits", "says"),
     [
-        (reversed_sign, {}, 0.02, False, "reverse the sign of force_wall_right_chain_1, force_contact_10_chain_1 in"),
         (one_reversed, {}, 0.02, False, "reverse the sign of force_contact_10_chain_1 in"),
         (clipped, {}, 0.02, False, "force_wall_right_chain_1 is clipped: "),
-        (np.copy, {"kick": 1.05}, 0.02, False, "fit better, to first order: kick.velocity by -"),
         (np.copy, {"kick": 1.05}, 0.0, False, "fit better, to first order: kick.velocity by -4.76%"),
         (np.copy, {}, 0.0, None, "the data show no noise"),
     ],
 )
 def test_a_model_that_does_not_fit_gets_no_intervals_and_the_cause_is_named(
-    change, wrong, noise, fits, says, tmp_path, monkeypatch, capsys
+    change, wrong, noise, fits, says, tmp_path, capsys
 ):
-    monkeypatch.setattr(study, "STARTS", 1)
-    monkeypatch.setattr(study, "BEGUN", 1)
     scene, free = measured.scene(modulus=1.05, **wrong), "material.youngs_modulus"
     names = measured.NAMES[:2]
     code = fit(tmp_path, "--no-lammps", scene=scene, free=free, names=names, noise=noise, change=change)
@@ -215,11 +194,8 @@ def test_each_misfit_is_rejected_by_the_test_that_is_for_it(wrong, tests):
     failed = np.any(found.rejected, axis=1)
     rejecting = {name for name, some in zip(goodness.TESTS, failed, strict=True) if some}
     assert rejecting | ({"fixed"} if found.wrong[0] else set()) >= tests
-
-
-def test_the_change_of_a_fixed_field_that_fits_best_is_found_with_its_error():
-    found = judged(wrong=0.05 * RISE**2)
-    assert abs(found.change[0] - 0.05) < 3.0 * found.change_error[0] < 0.03
+    if tests == {"fixed"}:  # the change that fits best is the true one
+        assert abs(found.change[0] - 0.05) < 3.0 * found.change_error[0] < 0.03
 
 
 def test_filtered_noise_is_rejected_and_fewer_rows_of_it_are_not():
@@ -263,7 +239,7 @@ def test_what_the_data_do_not_depend_on_is_named():
 
 @pytest.mark.parametrize(
     ("smallest", "weak"),
-    [(0.12, ()), (0.09, (((0, 1), False),)), (1.1e-3, (((0, 1), False),)), (9e-4, (((0, 1), True),))],
+    [(0.12, ()), (1.1e-3, (((0, 1), False),)), (9e-4, (((0, 1), True),))],
 )
 def test_two_parameters_whose_slopes_are_alike_are_said_to_be(smallest, weak):
     """Columns of length 1 with the product r have the singular values sqrt(1 + r) and sqrt(1 - r)."""
@@ -278,18 +254,8 @@ def test_two_parameters_whose_slopes_are_alike_are_said_to_be(smallest, weak):
         assert found.correlation[0, 1] == pytest.approx(-r, abs=1e-9)
 
 
-@pytest.mark.parametrize("edge", [np.inf, 0.0], ids=["inside", "at the edge"])
-def test_slopes_are_those_of_the_traces_also_where_one_side_is_no_scene(edge):
-    model = Model.__new__(Model)
-    model.names, model.gradient, model.sensors = ("a",), False, Sensors((), *np.zeros((3, 0)))
-    model.traces = lambda p: np.array([[3.0 * p[0] + 2.0 * p[1]]]) if p[0] <= edge else None
-    assert model.slopes(np.zeros(2))[0, 0] == pytest.approx([3.0, 2.0], rel=1e-9)
-
-
 @pytest.mark.slow
-def test_derivatives_along_the_flow_are_those_of_differences_and_fit_the_same(found, tmp_path, monkeypatch):
-    monkeypatch.setattr(study, "STARTS", 1)
-    monkeypatch.setattr(study, "BEGUN", 1)
+def test_derivatives_along_the_flow_are_those_of_differences_and_fit_the_same(found, tmp_path):
     data = measured.table(tmp_path / "data.csv")
     scene = measured.scene(modulus=1.15, coupling=0.7, kick=0.9)
     flow, differences = (Model(scene, "scene", list(measured.TRUTH), data, None, gradient=way) for way in (True, False))

@@ -35,7 +35,7 @@ def smooth_slopes(p, step=1e-5):
     return np.stack([(smooth(p + h) - smooth(p - h)) / (2.0 * step) for h in step * np.eye(2)], -1)[:, np.newaxis]
 
 
-@pytest.mark.parametrize("late", np.log(TIME[90:100] / 4.0) + 5e-5)
+@pytest.mark.parametrize("late", np.log(TIME[90:100:3] / 4.0) + 5e-5)
 def test_a_sample_that_a_jump_passes_has_the_derivative_of_its_own_side(late):
     p = np.array([0.1, late])  # the jump moves over a sample within a step of 1e-4
     step = np.array([0.0, 1e-4])
@@ -88,33 +88,18 @@ def test_intervals_of_a_model_that_jumps_contain_the_truth_as_often_as_stated_an
 # --- scenes -----------------------------------------------------------------------------------------------------------
 
 PLAIN = {
-    "name": "jumps",
-    "chains": 2,
-    "beads": 6,
-    "coupling": {"stiffness": 0.2},
-    "kick": {"velocity": 1.0},
-    "damping": {"contact": 0.2},
-    "duration": 15.0,
+    **{"name": "jumps", "chains": 2, "beads": 6, "duration": 15.0, "kick": {"velocity": 1.0}},
+    **{"coupling": {"stiffness": 0.2}, "damping": {"contact": 0.2}},
 }
-KINDS = {"kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.4}}, "pattern": ["heavy", "light"]}
-ATTACHED = {"resonators": {"mass": 0.3, "stiffness": 0.6}, "foundation": {"stiffness": 0.1}}
-INNER = ("force_contact_2_chain_1", "force_contact_2_chain_2", "velocity_1_4")
 SCENES = {
-    "gap": ({**PLAIN, "gap": 0.3}, ("damping.contact", "gap"), INNER),
+    "gap": ({**PLAIN, "gap": 0.3}, ("damping.contact", "gap"), ("force_contact_2_chain_1", "force_contact_2_chain_2")),
     "kinds, resonators, foundation": (
-        {**PLAIN, **KINDS, **ATTACHED},
+        {
+            **{**PLAIN, "kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.4}}, "pattern": ["heavy", "light"]},
+            **{"resonators": {"mass": 0.3, "stiffness": 0.6}, "foundation": {"stiffness": 0.1}},
+        },
         ("coupling.stiffness", "damping.contact"),
-        INNER,
-    ),
-    "wall, gap": (
-        {**PLAIN, "gap": 0.2, "beads": 4, "walls": {"right": "rigid"}},
-        ("coupling.stiffness", "gap"),
-        ("force_wall_right_chain_1", "force_contact_2_chain_2"),
-    ),
-    "kinds, foundation": (
-        {**PLAIN, **KINDS, "foundation": {"stiffness": 0.2}},
-        ("foundation.stiffness", "damping.contact"),
-        INNER,
+        ("force_contact_2_chain_1", "velocity_1_4"),
     ),
 }
 FITS = 10
@@ -124,7 +109,7 @@ FITS = 10
 @pytest.mark.slow
 @pytest.mark.timeout(900)  # 70 s on a quiet core
 def test_intervals_of_fields_contain_the_truth_as_often_as_stated_where_contacts_with_dashpots_close(tmp_path):
-    """40 fits of two fields to traces with 3% noise; binomial: of 80 intervals at least 76 - 2.6 * 1.95 hold."""
+    """20 fits of two fields to traces with 3% noise; binomial: of 40 intervals at least 38 - 2.6 * 1.38 hold."""
     inside = left_out = 0
     for scene, names, channels in SCENES.values():
         time = np.arange(0.0, scene["duration"], 0.1)
@@ -146,4 +131,3 @@ def test_intervals_of_fields_contain_the_truth_as_often_as_stated_where_contacts
     assert left_out > 0
     count = 2 * FITS * len(SCENES)
     assert inside >= 0.95 * count - 2.6 * np.sqrt(0.95 * 0.05 * count)
-    print(f"{inside} of {count} intervals contain the truth")

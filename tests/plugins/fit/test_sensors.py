@@ -10,7 +10,6 @@ import granchain
 from analysis.files.traces import Calibration, Channel, Traces
 from lammps_inputs import strict_yaml
 from workflow.cli import main
-from workflow.plugins.fit import study
 from workflow.plugins.fit.estimate import estimate
 from workflow.plugins.fit.sensors import Sensors
 
@@ -31,25 +30,21 @@ def sensors(signals):
     return Sensors.of(table, WORTH)
 
 
-def test_gains_of_either_sign_and_baselines_are_those_of_signals_without_noise():
+def test_gains_and_baselines_are_those_of_signals_without_noise_and_slopes_their_differences():
     signals = BASELINES + pulses(1.0) / GAINS
     kinds = sensors(signals)
     best = kinds.best(pulses(1.0), signals)
     assert kinds.free == ((0, "gain"), (0, "baseline"), (1, "gain"), (2, "baseline"))
     assert kinds.reported(best) == pytest.approx([-20.0, 9.0, 2e5, -0.3], rel=1e-10)
     np.testing.assert_allclose(kinds.values(signals, best), pulses(1.0), atol=1e-9)
-
-
-def test_slopes_of_signals_are_their_differences():
-    kinds = sensors(BASELINES + pulses(1.0) / GAINS)
-    p = kinds.best(pulses(1.1), BASELINES + pulses(1.0) / GAINS)
+    p = kinds.best(pulses(1.1), signals)
     differences = [kinds.signals(pulses(1.1), p + h) - kinds.signals(pulses(1.1), p - h) for h in 0.5 * np.eye(4)]
     np.testing.assert_allclose(kinds.slopes(pulses(1.1)), np.stack(differences, axis=-1), atol=1e-9)
 
 
 def test_intervals_of_gains_and_baselines_contain_the_truth_as_often_as_stated():
-    """Numbers of 100 fits within 2.6 standard deviations of 95%, the rate of the pulses free, too."""
-    count, inside = 100, np.zeros(5)
+    """Numbers of 50 fits within 2.6 standard deviations of 95%, the rate of the pulses free, too."""
+    count, inside = 50, np.zeros(5)
     exact = BASELINES + pulses(1.0) / GAINS
     size = np.abs(exact - [9.0, 0.2, -0.3]).max(axis=0)
     for seed in range(count):
@@ -76,10 +71,9 @@ def test_intervals_of_gains_and_baselines_contain_the_truth_as_often_as_stated()
     ("directions", "weak"),
     [
         ([[1.0, 1.0, 0.05, 0.0]], (((0, 1, 2), 1),)),
-        ([[1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 2.0]], (((0, 1), 1), ((2, 3), 1))),
         ([[1.0, 1.0, 1.0, 0.0], [0.0, 1.0, -1.0, 0.0]], (((0, 1, 2), 2),)),
     ],
-    ids=["a small share", "two pairs", "two of three"],
+    ids=["a small share", "two of three"],
 )
 def test_whatever_changes_along_a_direction_that_the_data_do_not_show_is_undetermined(directions, weak):
     """Derivatives are orthogonal to the directions but for the errors of differences, 1e-5."""
@@ -113,12 +107,6 @@ def scope(directory, noise=0.02):
     path = directory / "scope.csv"
     path.write_bytes(f"Model,S-4\r\nSamples,{len(time)}\r\n\r\nTIME,CH1,CH2\r\nus,V,V\r\n{rows}".encode())
     return path
-
-
-@pytest.fixture(autouse=True)
-def from_the_start_alone(monkeypatch):
-    monkeypatch.setattr(study, "STARTS", 1)
-    monkeypatch.setattr(study, "BEGUN", 1)
 
 
 @pytest.mark.slow

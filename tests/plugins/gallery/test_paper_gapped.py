@@ -59,13 +59,3 @@ def test_the_relative_mode_of_a_known_decay_is_found():
     assert found.rows_per_e == pytest.approx(7.0, rel=1e-9)
     np.testing.assert_allclose(found.difference, decay[3:39], rtol=1e-12)
     assert study.relative_mode(study.rigid_impulses(study.rigid_problem(2.0, 30)), 5, 30).equal_from is None
-
-
-def test_curves_of_both_models_cover_the_same_rows_and_time():
-    problem = study.problem_at(study.THETA_OF_EQ_5, 1.0, 25)
-    rigid, hertz = study.curves(problem, (5, 25))
-    np.testing.assert_array_equal(rigid.time, hertz.time)
-    assert rigid.velocity.shape == hertz.velocity.shape == (problem.frames + 1, 2, 2)
-    # Hertz bead 25 moves freely between its contacts, with its impulse as velocity
-    peak = hertz.velocity[:, :, 1].max(axis=0)
-    np.testing.assert_allclose(peak, hertz.first[:, hertz.bead == 25][:, 0], rtol=0, atol=0.01)

@@ -1,60 +1,72 @@
-"""Pages of statements, and sections kept as files."""
+"""Pages of statements, sections kept as files, and the rule of the verdicts."""
 
 import html
 import importlib.metadata
+import math
 import re
 
+import pytest
 from matplotlib.figure import Figure
 
 from lammps_inputs import references
+from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
 from workflow.plugins.gallery.statements import FAILS, HOLDS, SECTION, Section, Statement, files_of, kept, render
 from workflow.study_kit.page import drawn
 
-SOME = Section(
-    "Waves",
-    "of beads",
-    [
-        Statement("fast", "rosas2007, abstract", "", ["1"], HOLDS),
-        Statement("", "", "slow", ["2"], FAILS, "not so"),
-    ],
-    notes=["read"],
-    sources={"rosas2007": "abstract read"},
-)
-
-
-def keep(section, folder):
-    for name, content in files_of(section).items():
-        (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+STATEMENTS = [
+    Statement("fast", "rosas2007, abstract", "", ["1"], HOLDS),
+    Statement("<b>", "", "slow", ["<i>"], FAILS, "not so"),
+]
+SOME = Section("Waves", "of <beads>", STATEMENTS, notes=["read"], sources={"rosas2007": "abstract read"})
 
 
 def test_a_section_that_was_kept_is_the_same_again(tmp_path):
-    section = Section("Waves", "of beads", SOME.statements, [drawn("one", Figure((1, 1)), "none")], ["read"])
-    keep(section, tmp_path)
+    section = Section("Waves", "of beads", STATEMENTS, [drawn("one", Figure((1, 1)), "none")], ["read"])
+    for name, content in files_of(section).items():
+        (tmp_path / name).write_bytes(content if isinstance(content, bytes) else content.encode())
     assert kept(tmp_path) == section
     (tmp_path / SECTION).write_text('{"title": 1}')  # damaged
     assert kept(tmp_path) is None
 
 
-def test_the_contents_lead_to_each_section_and_count_its_verdicts():
+def test_a_page_counts_verdicts_ends_with_references_and_versions_and_takes_no_markup():
     text = render("t", "s", [SOME, Section("Lost", "", (), failed="no <disk>")])
     assert re.findall(r'href="#(s\d+)"', text) == re.findall(r'<section id="(\w+)"', text) != []
     listed = text[text.index("<ol") : text.index("</ol>")]
     assert re.findall(r"<strong>(.*?)</strong>", listed) == ["1 holds", "1 does not hold", "failed"]
-    assert "no &lt;disk&gt;" in text
-
-
-def test_text_from_outside_cannot_become_markup():
-    section = Section("<script>", "a & b", [Statement("<b>", "", "", ["<i>"], HOLDS)])
-    assert "<script>" not in render("t", "s", [section])
-
-
-def test_a_page_ends_with_full_references_versions_date_and_machine():
-    text = render("t", "s", [SOME])
+    assert not any(markup in text for markup in ("<disk>", "<beads>", "<i>"))
+    assert 'fast <a href="#r1">[1]</a>, abstract</td>' in text
     foot = text[text.index('<footer class="provenance">') :]
     assert references.text("rosas2007") in html.unescape(foot)
-    assert '<a href="#r1">[1]</a> abstract read' in text
-    assert 'fast <a href="#r1">[1]</a>, abstract</td>' in text
-    for name in ("granchain", "lammps"):
-        assert importlib.metadata.version(name) in foot
-    assert re.search(r"Date: \d{4}-\d\d-\d\d \d\d:\d\d[+-]", foot)
-    assert re.search(r"Machine: .+, \d+ cores", foot)
+    assert all(importlib.metadata.version(name) in foot for name in ("granchain", "lammps"))
+
+
+HOLDS, CORRECTED, FAILS = "holds", "holds with a correction", "does not hold"
+
+
+def judged(value, required, lammps=0.682):
+    return state(MeasuredQuantity("V", {"lammps": lammps, "reference": value}, required, "4 V"), published="0.682 V.")
+
+
+@pytest.mark.parametrize(
+    ("value", "required", "text", "holds"),
+    [
+        (0.6818, near(0.682, 5e-4, 1e-3), "0.682 \u00b1 0.0005 V (\u00b1 0.001 V)", HOLDS),
+        (0.6826, near(0.682, 5e-4, 1e-3), "0.682 \u00b1 0.0005 V (\u00b1 0.001 V)", CORRECTED),
+        (0.7, near(0.682, 5e-4, 1e-3), "0.682 \u00b1 0.0005 V (\u00b1 0.001 V)", FAILS),
+        (0.682, at_least(0.68), "\u2265 0.68 V", HOLDS),
+        (0.682, at_most(0.68), "\u2264 0.68 V", FAILS),
+        (0.682, at_least(0.7, -math.inf), "\u2265 0.7 V (any value)", CORRECTED),
+    ],
+)
+def test_a_number_holds_in_its_range_and_needs_a_correction_in_the_wider_one(value, required, text, holds):
+    statement = judged(value, required)
+    assert f"required: {text}" in statement.found[0]
+    assert statement.holds == holds
+    assert (statement.correction == "") == (holds == HOLDS)
+
+
+def test_the_worse_engine_and_the_worst_quantity_decide():
+    assert judged(0.682, near(0.682, 5e-4), lammps=0.7).holds == FAILS
+    good, bad = (MeasuredQuantity("n", {"reference": value}, near(1.0, 0.5)) for value in (1.0, 2.0))
+    assert [state(good, last, derived="n is 1").holds for last in (good, bad)] == [HOLDS, FAILS]

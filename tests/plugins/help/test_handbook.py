@@ -6,7 +6,7 @@ import pytest
 
 from lammps_inputs import library, references
 from lammps_inputs.ingredients.registry import INGREDIENTS
-from lammps_inputs.scene import BaseScene, Scene
+from lammps_inputs.scene import Scene
 from workflow.plugins.help import handbook
 
 
@@ -14,42 +14,12 @@ def test_every_key_of_a_scene_has_a_section():
     assert set(Scene.model_fields) - set(handbook.keys()) == set()
 
 
-@pytest.mark.parametrize("key", ["coupling", "coupling.rows", "coupling.stiffness.from"])
-def test_a_key_within_another_is_explained_there(key):
-    assert "Springs between the beads of one row" in handbook.of_key(key)
-
-
-@pytest.mark.parametrize(
-    ("word", "meaning"),
-    [
-        ("V", "largest magnitude of the velocities of kick"),
-        ("T", "time: L / V"),
-        ("kappa", "stiffness k T^2 / m"),
-        ("row", "the beads of one number in all chains"),
-        ("agree_1", None),
-        ("dimers", None),
-    ],
-)
-def test_a_symbol_or_term_is_explained_as_in_the_notation(word, meaning):
-    found = handbook.of_term(word)
-    assert found is None if meaning is None else meaning in " ".join(found.split())
-
-
-def test_unit_bounds_and_default_are_printed():
-    found = " ".join(handbook.of_key("gap").split())
-    assert "unit: m; valid: number >= 0 or {contacts" in found
-    assert "list of lists of numbers >= 0; default: 0" in found
-
-
-@pytest.mark.parametrize("word", ["no_such", "", "a b", "gap`", ".", "[1]"])
-def test_what_is_no_key_has_no_section(word):
-    assert handbook.of_key(word) is None
-
-
-def test_the_whole_page_holds_every_section_without_markdown():
-    whole = handbook.scenes()
-    assert "`" not in whole
-    assert all(handbook.of_key(key) in whole for key in (*BaseScene.model_fields, *INGREDIENTS))
+def test_keys_symbols_and_terms_are_explained_and_what_is_none_is_not(golden):
+    asked = {handbook.of_key: ("coupling.stiffness.from", "gap"), handbook.of_term: ("V", "T", "kappa", "row")}
+    golden("explanations", "\n\n".join(explain(word) for explain, words in asked.items() for word in words))
+    assert handbook.of_key("coupling.rows") == handbook.of_key("coupling")
+    assert [handbook.of_term(word) for word in ("agree_1", "dimers")] == [None] * 2
+    assert [handbook.of_key(word) for word in ("no_such", "", "a b", "gap`", ".", "[1]")] == [None] * 6
 
 
 MODELS = ("gap", "material", "kinds", "taper", "disorder", "striker", "kick", *INGREDIENTS)

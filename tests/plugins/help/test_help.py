@@ -2,21 +2,19 @@
 
 import contextlib
 import re
-import subprocess
-import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 from plug_ins import needs
-from processes import HANGS
 
 from lammps_inputs import InputError, Scene
 from workflow import cli
 from workflow.cli import COMMANDS, main
 from workflow.plugins.help import handbook, vocabulary
 from workflow.plugins.help import tool as helping
+from workflow.plugins.help.quantities import explained, manual
 from workflow.quantities.columns import QUANTITIES
-from workflow.study_kit.options import example_file
 from workflow.sweep import fields
 from workflow.verdicts.places import places
 
@@ -66,14 +64,6 @@ def test_every_word_that_help_lists_is_explained(kind, capsys):
     assert unexplained == []
 
 
-@pytest.mark.parametrize("word", ["vary", "pilot", "tension", "combine", NETCDF, "--no-check", "steel", "two-chains"])
-def test_a_word_is_explained_in_place_of_a_reference_to_where_it_is(word, capsys):
-    assert main(["help", word]) == 0
-    out = capsys.readouterr().out
-    assert len(out.splitlines()) >= 3
-    assert "granchain help NAME" not in out
-
-
 def near(word):
     """The word without a letter in its middle."""
     half = len(word) // 2
@@ -106,28 +96,37 @@ def test_every_near_miss_is_explained_or_suggested(kind, capsys):
     assert bare == []
 
 
-@pytest.mark.parametrize("name", ["sweep", pytest.param("design", marks=needs("design"))])
-def test_help_of_a_command_shows_the_file_that_it_takes(name, capsys):
-    with pytest.raises(SystemExit):
-        main([name, "--help"])
-    usage = capsys.readouterr().out
-    assert main(["help", "vary"]) == 0
-    lines = capsys.readouterr().out
-    for line in example_file(sys.modules[vocabulary.kinds()[name]]).splitlines():
-        assert line in usage
-        assert line in lines
+def said(capsys, *words):
+    assert main(list(words)) == 0
+    return capsys.readouterr().out
 
 
-def test_help_without_a_word_prints_what_the_program_alone_does(capsys):
-    assert main([]) == 0
-    alone = capsys.readouterr().out
-    assert main(["help"]) == 0
-    assert capsys.readouterr().out == alone
+def test_help_explains_keys_phrases_results_sections_of_the_model_and_terms_of_verdicts(capsys, golden):
+    asked = ("restitution", "tension", "beat length", "peak velocity", "budget.closed", "contact constant", "steady")
+    golden("phrases", "\n".join(f"{words}\n{said(capsys, 'help', *words.split())}" for words in asked))
 
 
-def test_the_module_runs_as_the_program_does():
-    done = subprocess.run(
-        [sys.executable, "-m", "workflow", "help", "kapa"], capture_output=True, timeout=HANGS, text=True
+@pytest.mark.parametrize("name", QUANTITIES)
+def test_help_says_where_a_quantity_stands(name, capsys):
+    lines = said(capsys, "help", name).splitlines()
+    assert name == lines[0]
+    assert any(
+        line.strip().startswith(QUANTITIES[name].file) and line.endswith(QUANTITIES[name].path[-1]) for line in lines
     )
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "did you mean `kappa`" in done.stderr
+    assert any(line.strip().startswith("granchain collect: column") and name in line for line in lines)
+
+
+PAGE = Path(__file__).parents[3] / "analysis" / "QUANTITIES.md"
+
+
+@needs("rigid", "sound")
+def test_the_manuals_page_is_what_the_types_declare():
+    assert PAGE.read_text(encoding="utf-8") == manual(), (
+        "python -m workflow.plugins.help.quantities > analysis/QUANTITIES.md"
+    )
+
+
+def test_help_says_unit_symbol_meaning_and_every_place_of_a_quantity_also_at_a_bead(golden):
+    golden("quantities", "\n\n".join(explained(name) or "" for name in ("wall_force", "arrival")))
+    assert explained("arrival@30") == explained("arrival")
+    assert [explained(name) for name in ("no_such", "wall_force@30")] == [None] * 2

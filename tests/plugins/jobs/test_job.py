@@ -1,8 +1,7 @@
-"""Job scripts: what stands in them whatever a user says, and what they do where there is no Slurm to submit to."""
+"""Job scripts: what they do where there is no Slurm to submit to, and what hostile text does to them."""
 
 import contextlib
 import os
-import pathlib
 import re
 import shlex
 import shutil
@@ -12,12 +11,11 @@ from datetime import datetime
 
 import numpy as np
 import pytest
+from cluster import stop_after_a_stretch
 from hypothesis import given
 from hypothesis import strategies as st
 from processes import HANGS, wait_until, working_in
-from pydantic import ValidationError
 from stock_lammps import MPIEXEC, WHEEL, scene
-from stock_lammps import run as run_stock
 
 from analysis.files.recording import blocks
 from analysis.trajectory import joined
@@ -28,24 +26,19 @@ from workflow.plugins.jobs import job, job_files, site
 from workflow.plugins.jobs.schedulers import SLURM
 from workflow.plugins.jobs.site import JobOptions
 from workflow.runs.files import parts
-from workflow.runs.run_directory import RunDirectory
 
 HOSTILE = (
     "x\n#SBATCH --uid=root",
-    "x; touch pwned",
     "$(touch pwned)",
     "`touch pwned`",
     "x' 'touch pwned",
     'x" "touch pwned',
-    "x && touch pwned",
-    "x | touch pwned",
-    "x\ttouch",
+    "x; touch pwned | touch pwned && touch pwned",
     "../../etc",
     "--wrap=touch",
     "\x1b[31mred",
     "x\u2028y",
     "",
-    " ",
     "a" * 10_000,
 )
 
@@ -66,25 +59,6 @@ def placed(case, directory, **options):
     for name, text in job.render_job(chosen, case.problem()).items():
         (directory / name).write_text(text)
     return directory
-
-
-BEFORE_RESTART = "before_a_restart"
-
-
-def restart_often(directory, case):
-    """Let a job leave a restart after every tenth of a run, and run an empty script of ours before each."""
-    path, grain = directory / job_files.INPUT, case.problem().steps_between_stops
-    steps, before = case.problem().steps, 'then "jump SELF stretch"\n'
-    text = path.read_text()
-    for pattern, new in (
-        ("^(variable look equal) .*", rf"\1 {steps // 20 // grain * grain}"),
-        (r"^(variable restart_step equal \$\(step)\+.*:", rf"\1+{steps // 10}:"),
-        (before, rf"{before}\nshell sh {BEFORE_RESTART}\n"),
-    ):
-        text, count = re.subn(pattern, new, text, flags=re.MULTILINE)
-        assert count == 1
-    path.write_text(text)
-    (directory / BEFORE_RESTART).write_text("")
 
 
 @contextlib.contextmanager
@@ -148,16 +122,6 @@ def ended(directory):
     return state(directory)[0], state(directory)[-1]
 
 
-def kill_after_a_restart(directory):
-    """Start the script, and kill everything that it started when it has left a restart and comes to the next one."""
-    script, waits = directory / BEFORE_RESTART, directory.with_name("waits")
-    script.write_text(f"[ ! -e {file_names.RESTART} ] || exec sleep 1000 8>{waits}\n")
-    with job_of(directory) as process:
-        assert wait_until(waits.exists, process), ended(directory)
-    assert wait_until(lambda: not working_in(directory))
-    script.write_text("")
-
-
 # --- what a job does --------------------------------------------------------------------------------------------------
 
 
@@ -174,98 +138,51 @@ KINDS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("kind", "release", "ranks"),
+    ("kind", "release", "ranks", "was_a_job"),
     [
-        ("coupled", "wheel", 2),
-        ("coupled", "2021", 2),
-        ("suzuki4", "wheel", 1),
-        ("window", "wheel", 1),
-        ("few beads", "2021", 1),
+        ("coupled", "wheel", 2, True),
+        ("suzuki4", "wheel", 1, True),
+        ("window", "wheel", 1, True),
+        ("few beads", "2021", 1, True),
+        ("few beads", "wheel", 1, False),
     ],
 )
-def test_a_killed_job_goes_on_bit_for_bit(kind, release, ranks, lmp_of, executable, tmp_path):
-    launcher = LAUNCHER
-    if release == "2021":
-        launcher = f"{executable('mpirun')} --allow-run-as-root --oversubscribe -np {{ranks}}"
+def test_a_stopped_job_or_run_resumes_as_a_job_bit_for_bit(kind, release, ranks, was_a_job, lmp_of, tmp_path):
     case, whole = KINDS[kind], tmp_path / "whole"
     whole.mkdir()
     scene_files.write(case, whole)
     subprocess.run([WHEEL, "-in", file_names.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
-    options = {"lmp": str(lmp_of(release)), "launcher": launcher, "ranks_per_node": ranks, "checkpoint": 1}
-    directory = placed(case, tmp_path / "job", **options)
-    restart_often(directory, case)
-    kill_after_a_restart(directory)
+    launcher = LAUNCHER if release == "wheel" else "/usr/bin/env"
+    options = {"lmp": str(lmp_of(release)), "launcher": launcher, "ranks_per_node": ranks, "max_jobs": 1}
+    directory, problem = placed(case, tmp_path / "job", **options), case.problem()
+    grain = problem.steps_between_stops
+    stop_after_a_stretch(directory, problem.steps // 3 // grain * grain)
+    stop(directory)
+    assert ended(directory)[0] == "incomplete"
+    if not was_a_job:
+        for name in (job_files.FRAMES, job_files.STATE, job_files.FLAG):
+            (directory / name).unlink()
     go(directory)
     assert ended(directory) == ("done", "")
-    assert_same_frames(directory, whole, case)
-
-
-@pytest.mark.slow
-def test_a_job_resumes_from_the_restart_of_a_run_that_was_no_job_bit_for_bit(tmp_path):
-    case, whole = KINDS["few beads"], tmp_path / "whole"
-    whole.mkdir()
-    scene_files.write(case, whole)
-    subprocess.run([WHEEL, "-in", file_names.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
-    directory = placed(case, tmp_path / "job", checkpoint=1)
-    restart_often(directory, case)
-    kill_after_a_restart(directory)
-    for name in (job_files.FRAMES, job_files.STATE, job_files.FLAG):
-        (directory / name).unlink()
-    go(directory)
-    assert ended(directory) == ("done", "")
-    assert_same_frames(directory, whole, case)
-
-
-def assert_same_frames(directory, whole, case):
-    """The frames of a resumed job, in two parts, are those of an uninterrupted run."""
+    found, expected = (joined(blocks(parts(path), problem)) for path in (directory, whole))
     assert len(parts(directory)) == 2
-    found, expected = (joined(blocks(parts(path), case.problem())) for path in (directory, whole))
     np.testing.assert_array_equal(found.time, expected.time)
     np.testing.assert_array_equal(found.displacement, expected.displacement)
     np.testing.assert_array_equal(found.velocity, expected.velocity)
 
 
-@pytest.fixture(scope="module")
-def good(tmp_path_factory):
-    """A job that is done, of one small scene."""
-    directory = placed(scene(beads=4), tmp_path_factory.mktemp("good") / "job", ranks_per_node=1)
+def test_a_job_that_is_done_leaves_its_results_alone_and_does_nothing_when_it_runs_again(tmp_path):
+    directory = placed(scene(beads=4), tmp_path / "job", ranks_per_node=1)
     go(directory)
     assert ended(directory) == ("done", "")
-    return directory
-
-
-@pytest.mark.slow
-def test_a_job_that_is_done_does_nothing_when_it_runs_again(good):
-    before = {path.name: path.stat().st_mtime_ns for path in good.iterdir() if path.name != job_files.OUTPUT}
-    assert "this run is done" in go(good)
-    after = {path.name: path.stat().st_mtime_ns for path in good.iterdir() if path.name != job_files.OUTPUT}
-    assert after == before
-
-
-def test_a_job_that_is_done_leaves_its_results_and_nothing_that_only_a_resumed_one_needs(good):
-    assert {path.name for path in good.iterdir()} == {
+    before = {path.name: path.stat().st_mtime_ns for path in directory.iterdir() if path.name != job_files.OUTPUT}
+    assert before.keys() == {
         *(file_names.SCENE, file_names.DECK, file_names.DATA, file_names.DUMP, file_names.LOG),
-        *(SLURM.script, job_files.STATE, job_files.OUTPUT),
+        *(SLURM.script, job_files.STATE),
     }
-
-
-@pytest.mark.slow
-def test_what_the_launcher_writes_when_it_fails_stands_in_the_output_of_the_job(tmp_path):
-    launcher = tmp_path / "launcher"
-    launcher.write_text("#!/bin/sh\necho first; echo second; exit 1\n")
-    launcher.chmod(0o755)
-    said = go(placed(scene(beads=4), tmp_path / "job", launcher=str(launcher)))
-    assert "\nfirst\nsecond\n" in said
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("ranks", "nodes"), [(3, 1), (2, 2)])
-def test_the_number_of_ranks_stands_in_the_requests_to_slurm_alone(ranks, nodes, tmp_path):
-    directory = placed(
-        scene(beads=8), tmp_path / "job", ranks_per_node=ranks, nodes=nodes, launcher="echo ranks={ranks}"
-    )
-    assert f"ranks={nodes * ranks} {WHEEL}" in go(directory)
-    assert "ranks=7 " in go(directory, SLURM_NTASKS=7)  # as sbatch --ntasks=7 sets it
+    assert "this run is done" in go(directory)
+    after = {path.name: path.stat().st_mtime_ns for path in directory.iterdir() if path.name != job_files.OUTPUT}
+    assert after == before
 
 
 @pytest.mark.slow
@@ -273,12 +190,10 @@ def test_the_number_of_ranks_stands_in_the_requests_to_slurm_alone(ranks, nodes,
     ("options", "says"),
     [
         ({"lmp": "/nowhere/lmp"}, "/nowhere/lmp .*' ended before in.job did: .*/nowhere/lmp.*No such file"),
-        ({"lmp": "/bin/true"}, "/bin/true .*' ended before in.job did"),
         ({"launcher": "/nowhere/srun"}, "'/nowhere/srun .*/nowhere/srun: No such file"),
         ({"modules": ("no/such",)}, "module load no/such failed"),
-        ({"ranks_per_node": 2, "launcher": "/usr/bin/env"}, "it has not 2 ranks; is the launcher that of its MPI[?]"),
     ],
-    ids=["no lmp", "another program", "no launcher", "no module", "one rank of two"],
+    ids=["no lmp", "no launcher", "no module"],
 )
 def test_a_job_that_cannot_compute_says_why_before_it_does(options, says, tmp_path):
     directory = placed(scene(beads=4), tmp_path / "job", **options)
@@ -352,56 +267,6 @@ def test_a_task_of_several_cases_does_each_once_also_those_after_one_that_fails(
     assert (directory / "one" / job_files.STATE).stat().st_mtime_ns == before
 
 
-@pytest.mark.slow
-def test_what_the_time_limit_leaves_of_a_task_is_done_by_the_next_job(tmp_path):
-    submitted = tmp_path / "submitted"
-    (tmp_path / "sbatch").write_text(f'#!/bin/sh\necho "$@" >>{submitted}\necho 17\n')
-    (tmp_path / "sbatch").chmod(0o755)
-    directory = placed_task(tmp_path / "array", {"long": ENDLESS, "after": SHORT}, checkpoint=1)
-    task = {"SLURM_ARRAY_JOB_ID": 16, "SLURM_ARRAY_TASK_ID": 0, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
-    stop(directory, directory / "long", **task)
-    words = "--parsable --array=0 --dependency=afterany:16_0 job.sbatch 2\n"
-    assert submitted.read_text() == words
-    assert state(directory / "long")[:2] == ("waiting", "17")
-    assert (directory / "long" / file_names.RESTART).exists()
-    assert not (directory / "after" / job_files.STATE).exists()
-    (directory / "long" / job_files.INPUT).unlink()  # as where it is done
-    go(directory, **task)
-    assert ended(directory / "after")[0] == "done"
-
-
-def test_a_deck_that_lammps_does_not_read_is_told_before_anything_is_computed(tmp_path):
-    directory = placed(scene(beads=4), tmp_path / "job")
-    path = directory / file_names.DECK
-    path.write_text(path.read_text().replace("fix motion all nve", "fix motion all nvee"))
-    go(directory)
-    assert "ERROR: Unrecognized fix style 'nvee'" in ended(directory)[1]
-    assert parts(directory) == []
-
-
-@pytest.mark.slow
-def test_a_run_whose_disk_is_full_is_told_and_goes_on_from_its_restart_when_there_is_room(tmp_path):
-    disk = tmp_path / "disk"
-    disk.mkdir()
-    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2m", "none", disk], capture_output=True).returncode:
-        pytest.skip("no tmpfs can be mounted here")
-    try:
-        case = scene(chains=2, beads=200, kappa=0.1, duration=200.0, every=0.5)  # 400 frames of 9.8 kB
-        directory = placed(case, disk / "job", checkpoint=1)
-        restart_often(directory, case)
-        go(directory)
-        assert ended(directory)[0] == "failed"
-        assert "the disk does not take what is written" in ended(directory)[1]
-        subprocess.run(["mount", "-o", "remount,size=20m", disk], check=True)
-        go(directory)
-        assert ended(directory) == ("done", "")
-        found = RunDirectory(directory).trajectory
-        assert len(parts(directory)) == 2
-    finally:
-        subprocess.run(["umount", disk], check=True)
-    np.testing.assert_array_equal(found.displacement, run_stock(case, tmp_path / "whole").displacement)
-
-
 # --- what stands in it ------------------------------------------------------------------------------------------------
 
 
@@ -410,52 +275,7 @@ def requests(script):
     return [word for line in re.findall("(?m)^#SBATCH --(.*)", script) for word in line.split(" --")]
 
 
-def test_every_option_stands_in_the_script_once_and_what_was_not_asked_does_not():
-    options = JobOptions(
-        nodes=2,
-        ranks_per_node=4,
-        time="1-12:30:00",
-        partition="long,short",
-        account="grains",
-        qos="high",
-        constraint="milan",
-        array_limit=3,
-    )
-    script = job.render_array(options, ["a", "b"], name="many")[SLURM.script]
-    assert requests(script) == [
-        "job-name=many",
-        "nodes=2",
-        "ntasks-per-node=4",
-        "array=0-1%3",
-        "time=1-12:30:00",
-        "signal=B:USR1@600",
-        "partition=long,short",
-        "account=grains",
-        "qos=high",
-        "constraint=milan",
-        r"output=\\job.out",
-        "open-mode=append",
-    ]
-    plain = job.render_job(JobOptions(), scene(beads=4).problem())[SLURM.script]
-    assert [word.partition("=")[0] for word in requests(plain)] == [
-        *("job-name", "nodes", "ntasks-per-node", "time", "signal", "output", "open-mode")
-    ]
-
-
-def test_a_written_job_is_at_most_sixty_lines_of_shell_beside_its_requests_and_comments():
-    options = JobOptions(partition="long", account="grains", qos="high", constraint="milan", modules=("gcc", "lammps"))
-    backslash = pathlib.Path("a\\b")  # takes a line more
-    scripts = [
-        job.render_job(options, scene(beads=4).problem(), backslash)[SLURM.script],
-        job.render_array(options, ["a", "b"], directory=backslash)[SLURM.script],
-        job.render_command(options, "many", ["granchain", "fit"], cores=4, directory=backslash),
-    ]
-    for script in scripts:
-        assert len(re.findall(r"^\s*[^#\s]", script, flags=re.MULTILINE)) <= 60
-    assert len(job.render_job(JobOptions(), scene(beads=4).problem())[SLURM.script].splitlines()) <= 60
-
-
-@pytest.mark.parametrize(("time", "seconds"), [("00:10:00", 600), ("1-12:30:05", 131405), ("100:00:00", 360000)])
+@pytest.mark.parametrize(("time", "seconds"), [("1-12:30:05", 131405)])
 def test_where_slurm_does_not_tell_the_end_of_a_job_its_time_limit_does(time, seconds, tmp_path):
     directory = placed(scene(beads=4), tmp_path / "job", time=time, lmp="/nowhere/lmp")
     (tmp_path / "date").write_text(
@@ -466,57 +286,37 @@ def test_where_slurm_does_not_tell_the_end_of_a_job_its_time_limit_does(time, se
     assert datetime.fromisoformat(state(directory)[5]).timestamp() == 1_000_000 + seconds
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("option", ["time", "partition", "account", "qos", "constraint", "modules", "lmp", "launcher"])
-@pytest.mark.parametrize("text", HOSTILE, ids=range(len(HOSTILE)))
-def test_hostile_text_is_refused_or_one_quoted_word(option, text, tmp_path):
-    value = [text] if option == "modules" else text
-    refusal, options = "", JobOptions()
-    try:
-        options = site.options({option: value})
-    except InputError as error:
-        refusal = str(error)
-    if refusal:
-        assert len(refusal.splitlines()) == 1
-        assert refusal.isprintable()
-        return
-    assert option in ("lmp", "launcher")
-    script = job.render_job(options, scene(beads=4).problem())[SLURM.script]
-    assert requests(script) == requests(job.render_job(JobOptions(), scene(beads=4).problem())[SLURM.script])
-    values = script.split("# In this directory")[1].split("ends=")[0].partition("\n")[2]
-    shown = subprocess.run(
-        ["bash", "-c", values + '\nprintf "%s\\0" "${lammps[@]}"'],
-        cwd=tmp_path,
-        env={**os.environ, "SLURM_NTASKS": "1"},
-        capture_output=True,
-        check=True,
-    )
-    words = shown.stdout.decode().split("\0")[:-1]
-    command = ["srun", text] if option == "lmp" else [*shlex.split(text), "lmp"]
-    assert words == [*command, "-log", "none", "-screen", "none", "-nocite"]
+@pytest.mark.parametrize("option", ["time", "partition", "account", "qos", "constraint", "modules"])
+def test_hostile_text_in_an_option_is_refused_in_one_line(option):
+    for text in HOSTILE:
+        with pytest.raises(InputError) as refused:
+            site.options({option: [text] if option == "modules" else text})
+        assert str(refused.value).isprintable()
+
+
+@pytest.mark.parametrize("option", ["lmp", "launcher"])
+def test_hostile_text_in_a_command_is_refused_or_one_quoted_word(option, tmp_path):
+    plain = requests(job.render_job(JobOptions(), scene(beads=4).problem())[SLURM.script])
+    for text in HOSTILE:
+        try:
+            options = site.options({option: text})
+        except InputError:
+            continue
+        script = job.render_job(options, scene(beads=4).problem())[SLURM.script]
+        assert requests(script) == plain
+        values = script.split("# In this directory")[1].split("ends=")[0].partition("\n")[2]
+        show = values + '\nprintf "%s\\0" "${lammps[@]}"'
+        environment = {**os.environ, "SLURM_NTASKS": "1"}
+        shown = subprocess.run(["bash", "-c", show], cwd=tmp_path, env=environment, capture_output=True, check=True)
+        command = ["srun", text] if option == "lmp" else [*shlex.split(text), "lmp"]
+        words = shown.stdout.decode().split("\0")[:-1]
+        assert words == [*command, "-log", "none", "-screen", "none", "-nocite"]
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.slow
-@given(st.text(max_size=40), st.sampled_from(["partition", "account", "modules", "lmp", "launcher"]))
-def test_no_text_makes_a_line_of_its_own(text, option):
-    try:
-        options = JobOptions(**{option: (text,) if option == "modules" else text})
-    except ValidationError:
-        return
-    script = job.render_job(options, scene(beads=4).problem())[SLURM.script]
-    plain = job.render_job(JobOptions(), scene(beads=4).problem())[SLURM.script]
-    more = {"partition": 1, "account": 1, "modules": 2}
-    assert len(script.splitlines()) == len(plain.splitlines()) + more.get(option, 0)
 
 
 @pytest.mark.parametrize(
     "cases",
-    [
-        [],
-        ["a", "a"],
-        *([name] for name in ("/etc", "..", "a/../b", "a/", "", "a b", "a\nb", "-rf", ".git", "$(ls)", "ä")),
-    ],
+    [[], ["a", "a"], *([name] for name in ("/etc", "a/../b", "a/", "", "a b", "a\nb", "-rf", ".git", "$(ls)"))],
     ids=str,
 )
 def test_a_list_of_cases_that_leads_elsewhere_is_refused(cases):
@@ -548,9 +348,7 @@ def test_an_array_refuses_another_list_of_cases_than_it_was_made_for(tmp_path):
     [
         "a[$(touch$IFS\\pwned)]:x[$(touch pwned)]",
         "../../thesis.txt:0",
-        "chains.dump.bin:$(touch pwned)",
         "chains.dump.a[$(touch pwned)].bin:0",
-        "/etc/hosts:0",
     ],
 )
 def test_what_a_run_directory_from_someone_else_holds_reaches_no_shell_and_no_other_file(frames, tmp_path):

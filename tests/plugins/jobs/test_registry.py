@@ -1,43 +1,41 @@
-"""A scheduler that another distribution declares is one of ``--scheduler``, and `granchain status` knows its jobs."""
+"""A scheduler that another distribution declares, as the page on how to add one shows, is one of ``--scheduler``."""
 
-import os
 import subprocess
-import sys
 
 import pytest
+from extending import apply, granchain, python
 from sweeps import SMALL
 
 from lammps_inputs import strict_yaml
 
-MODULE = """
-from dataclasses import replace
-from workflow.plugins.jobs.schedulers import PBS
-
-OAR = replace(PBS, title="OAR", submit="oarsub -S", script="job.oar", queue=lambda ask: None)
-"""
-
-
-@pytest.fixture
-def granchain(tmp_path):
-    """The command beside a distribution that declares the scheduler `oar`."""
-    metadata = tmp_path / "site" / "oar_jobs-1.0.dist-info"
-    metadata.mkdir(parents=True)
-    (metadata / "METADATA").write_text("Metadata-Version: 2.3\nName: oar-jobs\nVersion: 1.0\n")
-    (metadata / "entry_points.txt").write_text("[granchain.schedulers]\noar = oar_jobs:OAR\n")
-    (tmp_path / "site" / "oar_jobs.py").write_text(MODULE)
-    paths = [str(tmp_path / "site"), *filter(None, [os.environ.get("PYTHONPATH")])]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "HOME": str(tmp_path)}
-
-    def run(*words):
-        command = [sys.executable, "-P", "-m", "workflow", *words]
-        return subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True).stdout
-
-    return run
+CODE = r"""if True:
+    from workflow.plugins.jobs import job
+    from workflow.plugins.jobs.lsf import LSF
+    from workflow.plugins.jobs.schedulers import ListedJob
+    from workflow.plugins.jobs.site import JobOptions
+    answers = {"lsid": "IBM LSF\nMy cluster name is hpc\n", "bjobs": "17|0|RUN|/a b\n18|2|PEND|/c\n"}
+    expected = [ListedJob("17", False, None, "/a b"), ListedJob("18.2", True, 1, "/c")]
+    assert LSF.queue(lambda command, *_: answers[command]) == ("hpc", expected)
+    assert LSF.queue(lambda *_: None) is None
+    print(job.render_array(JobOptions(scheduler="lsf", array_limit=3), ["a", "b"])["job.lsf"])"""
 
 
 @pytest.mark.slow
-def test_a_scheduler_of_another_distribution_writes_its_script_and_its_jobs_have_states(granchain, tmp_path):
-    (tmp_path / "s.yaml").write_text(strict_yaml.dump({**SMALL, "timestep": 0.01}))
-    assert "`oarsub -S job.oar` there submits the job" in granchain("deck", "s.yaml", "-o", "job", "--scheduler", "oar")
-    assert (tmp_path / "job" / "job.oar").is_file()
-    assert granchain("status", "job") == "job: written: `oarsub -S job.oar` there starts it\n"
+def test_the_scheduler_writes_its_scripts_and_reads_its_queue(executable, tmp_path):
+    executable("git")
+    tree, environment = tmp_path, {**apply("A scheduler", tmp_path), "HOME": str(tmp_path)}
+    (tree / "s.yaml").write_text(strict_yaml.dump({**SMALL, "timestep": 0.01}))
+    words = ("--scheduler", "lsf", "--nodes", "2", "--ranks-per-node", "4", "--time", "1-12:30:01")
+    printed = granchain(environment, tree, "deck", "s.yaml", "-o", "job", *words, "--partition", "long")
+    assert "`bsub < job.lsf` there submits the job" in printed
+    assert "`bsub < job.lsf` there starts it" in granchain(environment, tree, "status", "job")
+    script = (tree / "job" / "job.lsf").read_text()
+    assert [line for line in script.splitlines() if line.startswith("#BSUB")] == [
+        '#BSUB -J "small" -L /bin/bash -o /dev/null',
+        '#BSUB -W 36:31 -n 8 -R "span[ptile=4]"',
+        "#BSUB -q long",
+    ]
+    array = python(environment, tree, "-c", CODE)
+    assert '#BSUB -J "sweep[1-2]%3" ' in array
+    for text in (script, array):
+        subprocess.run(["bash", "-n"], input=text, text=True, check=True)

@@ -11,12 +11,17 @@ from hypothesis import strategies as st
 from run_states import CASE, STEPS, alps, with_deck, with_frames, with_record, with_restart
 
 from lammps_inputs import file_names
-from workflow.plugins.jobs import job, job_files
+from workflow.plugins.jobs import job_files
 from workflow.plugins.jobs.schedulers import SLURM, slurm_jobs
-from workflow.plugins.jobs.site import JobOptions
 from workflow.plugins.jobs.states import queue_of
 from workflow.runs.files import RECORD
 from workflow.runs.status import MEANING, Queue, Queued, status, statuses
+
+AGAIN = "`sbatch job.sbatch` there starts again, as there is no restart"
+LOST = "ERROR: Lost atoms"
+GONE = "job 7 is gone: killed, or its node lost; " + AGAIN
+REPORTED = r".*as reported on \d{4}-\d\d-\d\d \d\d:\d\d by n12"
+HERE, ELSEWHERE = Queue("alps"), Queue("elsewhere")
 
 
 def with_state(directory, state, *, reason="", ends=3600.0, number="7"):
@@ -27,59 +32,39 @@ def with_state(directory, state, *, reason="", ends=3600.0, number="7"):
     return directory
 
 
-def test_a_job_on_a_node_runs(tmp_path):
-    directory = with_state(with_deck(tmp_path / "x"), "running")
-    found = status(with_frames(directory, 30), alps(Queued("7", False, directory.resolve())))
-    assert (found.state, found.step, found.why) == ("running", 300, "job 7")
+def listed(directory, number, waiting):
+    return alps(Queued(number, waiting, directory.resolve()))
 
 
 @pytest.mark.parametrize(
-    ("reported", "state"), [(None, "waiting"), ("running", "waiting"), ("failed", "waiting"), ("done", "done")]
+    ("reported", "queue", "state", "why"),
+    [
+        ({"state": "running"}, ("7", False), "running", "job 7"),
+        (None, ("8", True), "waiting", "job 8"),
+        ({"state": "running"}, ("8", True), "waiting", "job 8"),
+        ({"state": "failed"}, ("8", True), "waiting", "job 8"),
+        ({"state": "done"}, ("8", True), "done", ""),
+        *(({"state": state}, HERE, "incomplete", re.escape(GONE)) for state in ("running", "waiting")),
+        *(
+            ({"state": state}, queue, state, REPORTED)
+            for state in ("running", "waiting")
+            for queue in (None, ELSEWHERE)
+        ),
+        *(
+            ({"state": state, "reason": LOST}, HERE, state, f"{LOST}; `sbatch job.sbatch` there ")
+            for state in ("failed", "incomplete")
+        ),
+        ({"state": "running", "ends": -60.0}, None, "running", ""),  # it may still end
+        ({"state": "running", "ends": -3600.0}, None, "incomplete", ".*past its time limit"),
+    ],
 )
-def test_a_job_in_the_queue_waits_whatever_it_said_before_unless_it_is_done(reported, state, tmp_path):
+def test_the_state_of_a_job_is_what_its_queue_says_then_what_it_reported(reported, queue, state, why, tmp_path):
     directory = with_deck(tmp_path / "x")
     if reported is not None:
-        with_state(directory, reported)
-    assert status(directory, alps(Queued("8", True, directory.resolve()))).state == state
-
-
-@pytest.mark.parametrize("state", ["running", "waiting"])
-def test_a_job_that_its_cluster_does_not_know_is_incomplete_and_goes_on_with_sbatch(state, tmp_path):
-    found = status(with_state(with_deck(tmp_path / "x"), state), alps())
-    assert found.state == "incomplete"
-    again = "`sbatch job.sbatch` there starts again, as there is no restart"
-    assert found.why == f"job 7 is gone: killed, or its node lost; {again}"
-
-
-@pytest.mark.parametrize("state", ["running", "waiting"])
-@pytest.mark.parametrize("queue", [None, Queue("elsewhere")], ids=["no Slurm", "another cluster's"])
-def test_where_its_queue_cannot_be_asked_a_job_is_what_it_said_last(state, queue, tmp_path):
-    found = status(with_state(with_deck(tmp_path / "x"), state), queue)
+        with_state(directory, **reported)
+    found = status(directory, listed(directory, *queue) if isinstance(queue, tuple) else queue)
     assert found.state == state
-    at = re.search(r" at=(\S+) ", (tmp_path / "x" / job_files.STATE).read_text())[1]
-    assert found.why.endswith(f"as reported on {datetime.fromisoformat(at):%Y-%m-%d %H:%M} by n12")
-
-
-def test_a_job_of_an_earlier_version_is_done_if_all_frames_are_there(tmp_path):
-    directory = with_frames(with_deck(tmp_path / "x"), STEPS // 10)
-    (directory / job_files.STATE).write_text(f"state done\nstep {STEPS}\nsteps {STEPS}\njob 7\n")
-    assert status(directory, alps()).state == "done"
-    with_frames(directory, STEPS // 20)
-    assert status(directory, alps()).why == "job.state cannot be read; `sbatch job.sbatch` beside cases.txt tries again"
-
-
-def test_a_job_past_its_time_limit_is_incomplete_even_where_its_queue_cannot_be_asked(tmp_path):
-    assert status(with_state(with_deck(tmp_path / "y"), "running", ends=-60.0)).state == "running"  # it may still end
-    found = status(with_state(with_deck(tmp_path / "x"), "running", ends=-3600.0))
-    assert found.state == "incomplete"
-    assert "past its time limit" in found.why
-
-
-@pytest.mark.parametrize("state", ["failed", "incomplete"])
-def test_why_a_job_ended_is_told_with_what_to_do(state, tmp_path):
-    found = status(with_state(with_deck(tmp_path / "x"), state, reason="ERROR: Lost atoms"), alps())
-    assert found.state == state
-    assert found.why.startswith("ERROR: Lost atoms; `sbatch job.sbatch` there ")
+    assert re.match(why, found.why)
 
 
 def test_a_task_of_an_array_works_in_its_line_of_the_list_of_cases(tmp_path):
@@ -95,38 +80,6 @@ def test_a_task_of_an_array_works_in_its_line_of_the_list_of_cases(tmp_path):
     for name in ("a", "b"):
         with_deck(tmp_path / name)
     assert [one.state for one in statuses([tmp_path], queue)] == ["running", "waiting"]
-
-
-def test_a_task_that_is_gone_goes_on_with_its_array(tmp_path):
-    directory = with_state(with_deck(tmp_path / "x"), "running")
-    (directory / SLURM.script).unlink()
-    assert status(directory, alps()).why.endswith(
-        "`sbatch job.sbatch` beside cases.txt starts again, as there is no restart"
-    )
-
-
-@pytest.mark.parametrize(("name", "submission"), [("pbs", "qsub job.pbs"), ("sge", "qsub job.sge")])
-def test_a_job_of_another_scheduler_is_submitted_by_its_command(name, submission, tmp_path):
-    directory = with_deck(tmp_path / "a")
-    array = job.render_array(JobOptions(scheduler=name), ["a"])
-    files = {**job.case_files(CASE.problem()), **{f"../{file}": text for file, text in array.items()}}
-    for file, text in files.items():
-        (directory / file).write_text(text)
-    assert status(directory).why == f"`{submission}` beside cases.txt starts it"
-    (tmp_path / f"job.{name}").rename(directory / f"job.{name}")
-    assert status(directory).why == f"`{submission}` there starts it"
-
-
-@pytest.mark.parametrize("study", [False, True], ids=["deck", "study"])
-def test_a_job_that_was_not_submitted_is_written_and_it_is_said_how_to_submit_it(study, tmp_path):
-    directory = tmp_path / "x"
-    directory.mkdir()
-    if not study:
-        with_deck(directory)
-    for name, text in job.render_job(JobOptions(), CASE.problem()).items():
-        (directory / name).write_text(text)
-    found = status(directory)
-    assert (found.state, found.why) == ("written", "`sbatch job.sbatch` there starts it")
 
 
 def test_a_job_resumes_at_the_step_of_its_restart_or_that_of_its_last_frame_if_it_is_later(tmp_path):

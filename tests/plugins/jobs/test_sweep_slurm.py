@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from refusals import refusal
 from stock_lammps import WHEEL
-from sweeps import SMALL, UNTIL, sweep, sweep_file
+from sweeps import SMALL, sweep, sweep_file
 
 from lammps_inputs import library
 from workflow.cli import main
@@ -18,25 +18,17 @@ pytest_plugins = ("slurm",)
 pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")
 
 
-def test_a_written_sweep_has_a_deck_per_case_and_one_array(tmp_path, capsys):
-    path = sweep_file(tmp_path, UNTIL, beads=[12, 14])
-    assert main(["sweep", str(path), "-o", str(tmp_path / "s"), "--slurm", "--time", "00:10:00"]) == 0
-    assert "2 of 2 cases to do" in capsys.readouterr().out
-    assert (tmp_path / "s" / "cases.txt").read_text() == "beads=12\nbeads=14\n"
-    assert " --array=0-1\n" in (tmp_path / "s" / "job.sbatch").read_text()
-    for name in ("beads=12", "beads=14"):
-        files = {path.name for path in (tmp_path / "s" / name).iterdir()}
-        assert files == {"run.json", "scene.yaml", "in.chains", "data.chains", "in.job", "in.continue"}
-
-
 @pytest.mark.slow
-def test_added_cases_keep_the_numbers_of_those_before_and_done_ones_are_left_out(tmp_path):
+def test_a_sweep_is_an_array_with_a_deck_per_case_in_which_added_cases_come_last_and_done_ones_are_left_out(tmp_path):
     assert sweep(sweep_file(tmp_path, beads=[12]), tmp_path / "s") == 0
     for beads in ([12, 13], [10, 12, 13]):
         path = sweep_file(tmp_path, beads=beads)
         assert main(["sweep", str(path), "-o", str(tmp_path / "s"), "--slurm"]) == 0
     assert (tmp_path / "s" / "cases.txt").read_text() == "beads=12\nbeads=13\nbeads=10\n"
     assert " --array=1-2\n" in (tmp_path / "s" / "job.sbatch").read_text()
+    for name in ("beads=10", "beads=13"):
+        files = {path.name for path in (tmp_path / "s" / name).iterdir()}
+        assert files == {"run.json", "scene.yaml", "in.chains", "data.chains", "in.job", "in.continue"}
 
 
 @pytest.mark.slow
@@ -51,18 +43,6 @@ def test_tasks_of_several_cases_are_lines_of_the_list(tmp_path):
     known = queue_of("c", slurm_jobs(f"7|PD|1|{tmp_path / 's'}"))
     assert [job.directory.name for job in known.jobs] == ["beads=12", "beads=13"]
     assert [one.directory.name for one in statuses([tmp_path / "s"], known)] == " ".join(lines).split()
-
-
-@pytest.mark.slow
-def test_damaged_files_of_a_case_are_written_anew(tmp_path):
-    path, directory = sweep_file(tmp_path, UNTIL, beads=[12]), tmp_path / "s"
-    assert main(["sweep", str(path), "-o", str(directory), "--slurm"]) == 0
-    whole = {name: (directory / "beads=12" / name).read_bytes() for name in ("scene.yaml", "in.chains", "data.chains")}
-    for damage in (lambda _: b"\xff\xfe junk", lambda _: b"", lambda content: content[: len(content) // 2]):
-        for name, content in whole.items():
-            (directory / "beads=12" / name).write_bytes(damage(content))
-        assert main(["sweep", str(path), "-o", str(directory), "--slurm"]) == 0
-        assert {name: (directory / "beads=12" / name).read_bytes() for name in whole} == whole
 
 
 def test_more_ranks_than_a_case_has_rows_are_one_line(tmp_path, capsys):

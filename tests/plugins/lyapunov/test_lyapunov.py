@@ -7,24 +7,16 @@ import math
 import numpy as np
 import pytest
 
-import granchain
-from lammps_inputs import InputError
 from workflow.cli import main
 from workflow.plugins.derivatives import tangent
-from workflow.plugins.lyapunov import figure, growth
+from workflow.plugins.lyapunov import growth
 from workflow.plugins.lyapunov.study import Exponent, GrowthOfRun, combined
 
 CHAOTIC = {
-    "name": "small",
-    "beads": 12,
-    "kick": {"bead": 4, "velocity": 1},
-    "precompression": {"force": 0.125},
-    "walls": {"left": "bead", "right": "bead"},
-    "duration": 100,
+    **{"name": "small", "beads": 12, "kick": {"bead": 4, "velocity": 1}, "precompression": {"force": 0.125}},
+    **{"walls": {"left": "bead", "right": "bead"}, "duration": 100},
 }
 DRAG = 0.1
-
-draw_exponents = figure.draw
 
 
 def exponents(scene, count, duration, refinement=1):
@@ -115,28 +107,24 @@ def test_exponents_of_the_size_of_their_uncertainty_or_of_regular_motion_are_bou
 
 
 @pytest.mark.slow
-def test_table_text_figure_and_data_say_that_regular_motion_has_no_exponent(tmp_path, capsys, monkeypatch):
-    scene, out, drawn = tmp_path / "scene.yaml", str(tmp_path / "out"), []
+def test_table_text_and_data_say_that_regular_motion_has_no_exponent(tmp_path, capsys):
+    scene, out = tmp_path / "scene.yaml", str(tmp_path / "out")
     scene.write_text(json.dumps(CHAOTIC | {"kick": {"bead": 4, "velocity": 1e-4}}))
-    monkeypatch.setattr(figure, "draw", lambda *parts: drawn.append(parts) or draw_exponents(*parts))
     words = ["lyapunov", str(scene), "--exponents", "2", "--duration", "2000", "-o", out]
     assert main(words) == 0
-    printed = capsys.readouterr().out
-    assert "no exponent can be distinguished from 0: the largest is below" in printed
+    assert "no exponent can be distinguished from 0: the largest is below" in capsys.readouterr().out
     for name in ("exponents.csv", "runs.csv"):
         with (tmp_path / "out" / name).open() as file:
             lines = list(csv.DictReader(file))
         assert lines
         assert {line["exponent"] + line["uncertainty"] for line in lines} == {""}
-    [(_, values, errors, bounds, *_)] = drawn
-    assert not np.any(np.isfinite([values, errors]))
-    assert np.all(bounds > 0.0)
     assert main([*words, "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     assert [line["exponent"] for line in answer["exponents"]] == [None, None]
-    assert [line["bound"] for line in answer["exponents"]] == pytest.approx(bounds)
+    assert all(line["bound"] > 0.0 for line in answer["exponents"])
 
 
+@pytest.mark.slow
 def test_command_writes_tables_and_says_for_how_long_a_run_can_be_predicted(tmp_path, capsys):
     scene = tmp_path / "scene.yaml"
     scene.write_text(json.dumps(CHAOTIC))
@@ -151,9 +139,3 @@ def test_command_writes_tables_and_says_for_how_long_a_run_can_be_predicted(tmp_
     answer = json.loads(capsys.readouterr().out)
     assert answer["chaotic"] is True
     assert answer["exponents"][0]["exponent"] == value  # from the cache
-
-
-def test_a_duration_of_0_is_refused_by_the_function(tmp_path):
-    with pytest.raises(InputError, match=r"^duration: 0 given; a number, above 0"):
-        granchain.lyapunov(CHAOTIC, tmp_path / "new", duration=0)
-    assert not list(tmp_path.iterdir())

@@ -2,6 +2,7 @@
 
 import functools
 import re
+import sys
 from dataclasses import replace
 from html import unescape
 from types import SimpleNamespace
@@ -10,9 +11,10 @@ import numpy as np
 import pytest
 from bokeh.layouts import column
 from bokeh.models import GlyphRenderer, Range1d
-from matplotlib.colors import to_rgb
+from global_state import SCENE, assert_state_remains
 from page_table import page_table
 from plug_ins import needs
+from refusals import refusal
 from stock_lammps import scene
 
 import granchain
@@ -20,19 +22,15 @@ from analysis import motion
 from analysis.figures.panels import shown_chains
 from analysis.tracking.leading_waves import with_speeds
 from analysis.trajectory import Trajectory
-from lammps_inputs import Kick, Material, Output
-from lammps_inputs.ingredients.unequal import BeadKind, radii
+from lammps_inputs import Kick, Material
 from lammps_inputs.laws.in_time import half_sine
 from lammps_inputs.loads import Load
 from lammps_inputs.units import Label
 from workflow.cli import main
 from workflow.measures.forces.measurement import ForceMeasurement
 from workflow.measures.forces.readings import Readings
-from workflow.plugins.pages import run_page, sweep_page
+from workflow.plugins.pages import function, run_page, sweep_page
 from workflow.plugins.pages.downsample import thinned, units_of
-from workflow.plugins.pages.measured import plots_of
-from workflow.plugins.pages.plots import CHAIN_COLOURS
-from workflow.plugins.pages.write import _left_out
 from workflow.quantities.columns import QUANTITIES
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep.collect import SweepTable
@@ -71,20 +69,11 @@ SHARED = SimpleNamespace(of_impulses=False, final=None)
 SHARED.followed = SHARED
 
 
-def three_chains(material=None):
+def three_chains():
     """Chain 3 is 0.3 T later than chain 1, and no pulse leads at its bead 4; chain 2, which ties them, is not shown."""
     chain, bead = np.array([1, 1, 1, 1, 3, 3, 3]), np.array([2, 3, 4, 5, 2, 3, 5])
     waves = with_speeds(chain, bead, 1.2 * bead + 0.3 * (chain == 3), 0.1 * chain + 0.01 * bead)
-    return page_by_hand(hit(chains=3, material=material), [0, 2], waves)
-
-
-def another_pulse_leads():
-    """From bead 4 on, which stands alone."""
-    problem, bead = hit(chains=1), np.array([2, 3, 4])
-    waves = with_speeds(np.ones(3, dtype=int), bead, 1.2 * bead, 0.1 * bead, np.array([1, 1, 2]))
-    part = thinned(problem, [run_by_hand(problem)], [0])
-    survey = SimpleNamespace(waves=waves, shared=SHARED, decay=None, exact_speed=None)
-    return column(*run_page.distances(problem, part, survey, Range1d(0, 6), units_of(problem, part)))
+    return page_by_hand(hit(chains=3, material=STEEL), [0, 2], waves)
 
 
 def gauges_and_pushes():
@@ -101,22 +90,9 @@ def gauges_and_pushes():
     return column(*run_page.forces(pushed, part, measured, Range1d(0, 1), units_of(problem, part)))
 
 
-def beads_of_two_sizes():
-    kinds = {"a": BeadKind(radius=1.0), "b": BeadKind(radius=0.5)}
-    unlike = scene(chains=1, beads=6, kick=(Kick(velocity=0.5),), duration=2.0, kinds=kinds, pattern=("a", "b"))
-    return page_by_hand(unlike.problem(), [0], radius=radii(unlike.setting))
-
-
-LATTICE = {"stiffness": 0.1, "topology": {"lattice": [3, 3]}}
 BY_HAND = {
-    "three-chains": three_chains,
-    "three-chains-si": lambda: three_chains(STEEL),
-    "another-pulse-leads": another_pulse_leads,
+    "three-chains-si": three_chains,
     "gauges-and-pushes": gauges_and_pushes,
-    "beads-of-two-sizes": beads_of_two_sizes,
-    "lattice": lambda: page_by_hand(hit(chains=9, duration=2.0, coupling=LATTICE), list(range(9))),
-    "recorded-evenly": lambda: page_by_hand(hit(duration=2.0, output=Output(every=0.1, beads=(1, 3, 5))), [0, 1]),
-    "recorded": lambda: page_by_hand(hit(duration=2.0, output=Output(every=0.1, beads=(1, 2, 6))), [0, 1]),
 }
 
 # --- runs of the reference --------------------------------------------------------------------------------------------
@@ -125,11 +101,8 @@ CHAIN = {"name": "made", "chains": 1, "beads": 30, "kick": {"velocity": 1.0}, "d
 SCENES = {
     "coupled": {**CHAIN, "chains": 2, "beads": 40, "coupling": {"stiffness": 1.0}, "duration": 60.0},
     "loaded": {
-        **CHAIN,
-        "material": {"name": "steel", "radius": 4.76e-3},
-        "precompression": {"force": 20},
-        "kick": {"velocity": 0.1},
-        "duration": 6e-4,
+        **{**CHAIN, "material": {"name": "steel", "radius": 4.76e-3}, "precompression": {"force": 20}},
+        **{"kick": {"velocity": 0.1}, "duration": 6e-4},
     },
     "resonating": {
         **CHAIN,
@@ -144,6 +117,10 @@ SCENES = {
         "output": {"every": 0.1, "spectra": {"beads": [1, 2], "after": 10}},
     },
 }
+
+
+QUICK = "coupled"
+"""Others are slow, as each is compiled."""
 
 
 class PageOfRun:
@@ -165,20 +142,12 @@ def page(tmp_path_factory):
     return functools.cache(lambda name: PageOfRun(SCENES[name], tmp_path_factory.mktemp("pages") / name))
 
 
-def spectra_of(page, count):
-    """Spectra with a number of drives."""
-    measured = page.analysis.measurements["spectra"]
-    several = replace(measured, spectra=replace(measured.spectra, drive=np.linspace(0.1, 0.2, count)))
-    return column(*plots_of(page.problem, {"spectra": several}, Range1d(0.0, 1.0), {}))
-
-
 @needs("sound")
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    "name", [QUICK, *(pytest.param(name, marks=pytest.mark.slow) for name in SCENES if name != QUICK)]
+)
 def test_a_page_has_the_plots_that_its_scene_has_measurements_for(name, page, golden):
     golden(name, page_table(page(name).root))
-    if name == "driven":
-        golden("spectra-no-drive", page_table(spectra_of(page(name), 0)))
-        golden("spectra-two-drives", page_table(spectra_of(page(name), 2)))
 
 
 @pytest.mark.parametrize("name", BY_HAND)
@@ -215,8 +184,6 @@ SWEEPS = {
         files=("view.html", "distance.png"),
     ),
     "sweep-two-fields": lambda: page_of(case(0.1, 1), case(0.1, 2.5), case(0.2, 1), files=("distance.png",)),
-    "sweep-words": lambda: page_of(case(0.1, "low"), case(0.2, "high")),
-    "sweep-many-values": lambda: page_of(*(case(0.1, value) for value in range(20))),
 }
 
 
@@ -228,17 +195,15 @@ def test_a_page_of_a_sweep_has_its_cases_their_uncertainties_links_and_what_can_
 # --- numbers of a page ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("material", [None, STEEL], ids=["reduced", "SI"])
-def test_every_number_is_the_runs_in_the_units_of_its_figures(material):
-    problem = hit(chains=3, material=material)
+def test_every_number_is_the_runs_in_the_units_of_its_figures():
+    problem = hit(chains=3, material=STEEL)
     run = run_by_hand(problem)
     part = thinned(problem, [run[:7], run[7:]], [0, 2])
     units = units_of(problem, part)
     worth, shown = {name: unit.worth for name, unit in units.items()}, part.measured(units)
     overlap = np.maximum(motion.overlaps(problem.system, run.displacement), 0.0)
     energy = motion.bead_energy(problem.system, run.displacement, run.velocity).sum(axis=-1)
-    if material is not None:
-        assert worth["time"] == pytest.approx(1e6 * problem.scale.time)
+    assert worth["time"] == pytest.approx(1e6 * problem.scale.time)
     np.testing.assert_allclose(shown.time, run.time * worth["time"])
     for place, chain in enumerate((0, 2)):
         np.testing.assert_allclose(shown.displacement[place], run.displacement[:, chain] * worth["length"])
@@ -272,28 +237,7 @@ def test_what_a_window_has_left_does_not_make_frames_fewer():
     assert np.array_equal(part.velocity[0, :, 150:182], run.velocity[:, 0, ::2])
 
 
-def test_a_page_says_how_far_apart_frames_are_that_cannot_follow_a_pulse(golden):
-    said = []
-    for material in (None, STEEL):
-        problem = hit(duration=4.8, material=material)
-        for stride in (1, 3, 8):
-            most = -(-(problem.frames + 1) * 12 // stride)
-            part = thinned(problem, [run_by_hand(problem)], [0, 1], most_numbers=most)
-            said.append(f"every {stride}: {' '.join(_left_out(problem, part))}")
-    golden("left-out", "\n".join(said))
-
-
-def test_forces_of_rounding_and_of_rigid_beads_have_no_bars():
-    problem = hit(duration=2.0)
-    rounding = np.zeros((problem.frames + 1, 2, 6))
-    rounding[:, :, 0] = 1e-12
-    frames = replace(run_by_hand(problem), displacement=rounding)
-    part = thinned(problem, [frames], [0, 1])
-    assert 0.0 < np.nanmax(part.force) < 1e-17
-    assert "contact forces" not in page_table(run_page.layout(problem, part, None, [1]))
-    assert np.isnan(thinned(problem, [frames], [0, 1], deforms=False).force).all()
-
-
+@pytest.mark.slow
 def test_energies_of_the_beads_add_up_and_resonators_are_those_of_the_run(page):
     for name in SCENES:
         part = page(name).part
@@ -304,6 +248,7 @@ def test_energies_of_the_beads_add_up_and_resonators_are_those_of_the_run(page):
     assert np.array_equal(others[0, :, 10:20], frames.further_lines[:, 0, 0, 10:20])
 
 
+@pytest.mark.slow
 def test_curves_of_the_budget_add_up_to_the_energy_input(page):
     (plot,) = page("driven").root.select({"name": "budget"})
     lines = {item.label.value: item.renderers[0].data_source.data["y"] for item in plot.legend[0].items}
@@ -311,6 +256,7 @@ def test_curves_of_the_budget_add_up_to_the_energy_input(page):
     assert sum(lines.values()) == pytest.approx(energy_input, abs=2e-3 * np.max(energy_input))
 
 
+@pytest.mark.slow
 @needs("sound")
 def test_the_line_of_sound_has_its_speed(page):
     loaded = page("loaded")
@@ -336,12 +282,33 @@ def test_a_page_says_in_numbers_what_analyze_prints(page, capsys):
     assert set(cells) <= {word for line in printed for word in line.split()}
 
 
-def luminance(colour):
-    """Relative luminance by WCAG 2.1."""
-    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in to_rgb(colour)]
-    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+def test_pages_without_bokeh_are_refused_in_one_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "bokeh", None)
+    assert "pip install" in refusal(["view", tmp_path], capsys)
 
 
-def test_colours_of_chains_have_the_contrast_of_graphics_in_dark_mode():
-    lightest = luminance("#1b1d21") + 0.05
-    assert all((luminance(colour) + 0.05) / lightest >= 3.0 for colour in CHAIN_COLOURS)  # WCAG 2.1, 1.4.11
+@pytest.mark.parametrize(
+    ("engine", "says"),
+    [
+        ("reference", "computed by the reference integrator"),
+        pytest.param("lammps", "computed by LAMMPS 2", marks=pytest.mark.slow),
+    ],
+)
+def test_a_page_says_which_engine_computed_the_run_and_states_the_verdict_as_it_is(engine, says, tmp_path):
+    scene = {**SCENE, "beads": 3, "foundation": {"stiffness": 1.0}, "duration": 5.0}
+    text = granchain.run(scene, tmp_path / "run", engine=engine, check=False).view().path.read_text()
+    assert says in text
+    assert "<p>Equipartition does not apply: no" in text
+    assert ("A. P. Thompson" in text) == (engine == "lammps")
+
+
+@pytest.mark.slow
+def test_a_page_is_listed_shown_in_a_notebook_and_leaves_the_state_of_the_process(tmp_path, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")  # bars of progress have threads
+    path = granchain.run(SCENE, tmp_path / "run", engine="reference").directory.path
+    assert_state_remains(lambda: granchain.view(path), path)
+    assert "view.html" in granchain.open(path).directory.job.files
+    shown = granchain.open(path).view()
+    assert "<iframe" in shown._repr_html_()
+    monkeypatch.setattr(function, "MOST_EMBEDDED", 1000)
+    assert shown._repr_html_() == f'<p><a href="{shown.path.resolve().as_uri()}">{shown.path}</a></p>'

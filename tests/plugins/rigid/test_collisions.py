@@ -1,18 +1,17 @@
-"""Rigid beads against eqs 3-5, exact orbits and an independent integration; what every collision keeps; the queue."""
+"""Rigid beads against eqs 3-5, exact orbits and an independent integration; what every collision keeps."""
 
 import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from plain_scene import scene
 from scipy.linalg import expm
 from small_problems import rigid_problem
 
 from analysis.trajectory import joined
 from lammps_inputs import physics
 from lammps_inputs.limits import closing
-from workflow.plugins.rigid.engine import blocks, make_heap, reschedule, run, sample
+from workflow.plugins.rigid.engine import blocks, run, sample
 
 ABOVE = 1.0 + 4.0 * np.finfo(float).eps
 
@@ -68,7 +67,7 @@ def test_two_chains_move_by_eq_4(kappa):
     np.testing.assert_allclose(row.velocity[:, :, 0], 0.5 * v, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("chains", [1, 3, 4, 7, 20])
+@pytest.mark.parametrize("chains", [1, 3, 20])
 @pytest.mark.parametrize("kappa", [0.0, 0.3])
 def test_any_number_of_chains_moves_by_its_modes(chains, kappa):
     problem = first_row(chains, ((1, 1, 1.0), (chains, 1, 0.3))[: min(chains, 2)], kappa)
@@ -93,11 +92,6 @@ def test_the_gap_of_eq_5_closes_in_a_quarter_period(kappa):
     np.testing.assert_allclose(v, [0.5, 0.5], atol=1e-15)
 
 
-def test_eq_5_needs_springs():
-    with pytest.raises(ValueError, match="springs"):
-        closing.gap_of_eq_5(0.0)
-
-
 # --- what the paper's scenes do ---------------------------------------------------------------------------------------
 
 
@@ -111,8 +105,7 @@ def test_at_the_gap_of_eq_5_chain_2_collides_after_half_a_period_with_three_quar
     np.testing.assert_allclose(found.target, [0.0, 0.25], rtol=0, atol=1e-15)
 
 
-@pytest.mark.parametrize("n", [1, 2, 3, 4])
-@pytest.mark.parametrize("kappa", [0.1, 0.5, 3.0])
+@pytest.mark.parametrize(("n", "kappa"), [(1, 0.1), (2, 0.5), (3, 3.0), (4, 0.1)])
 def test_theta_of_n_quarter_turns_loses_nothing_in_100_rows(n, kappa):
     """n odd hops chains at every row, n even stays in chain 1."""
     omega = math.sqrt(2.0 * kappa)
@@ -126,7 +119,7 @@ def test_theta_of_n_quarter_turns_loses_nothing_in_100_rows(n, kappa):
     np.testing.assert_allclose(found.time * omega, n * math.pi * rows, rtol=1e-12)
 
 
-@pytest.mark.parametrize("below", [1e-4, 1e-8, 1e-12])
+@pytest.mark.parametrize("below", [1e-4, 1e-12])
 def test_the_loss_free_orbits_are_lost_within_20_rows_from_below(below):
     """There the other bead arrives a little before; a deviation e of one row is about e**(2/3) in the next."""
     found = run(rigid_problem(beads=110, gap=math.pi / 2.0 * (1.0 - below), duration=200.0))
@@ -140,6 +133,27 @@ def test_a_small_gap_costs_theta_squared_over_two_of_the_energy_a_row():
     rows = np.arange(1, 101)
     # bead n + 1 leaves with v**2 = 1 - theta**2 n / 2, and what is left out is about theta**4 n / 48
     np.testing.assert_allclose(found.striker[first] ** 2, 1.0 - theta**2 * rows / 2.0, rtol=0, atol=1e-11)
+
+
+def of_gaps(gaps, **changes):
+    """Collisions of one chain with a gap for each contact."""
+    return run(scene(chains=1, coupling=None, **{"beads": 6, "gap": gaps, "duration": 8.0, **changes}).problem())
+
+
+def test_beads_collide_after_the_sums_of_their_gaps():
+    gaps = (0.3, 0.1, 0.2, 0.5, 0.4)
+    found = of_gaps(gaps)
+    np.testing.assert_allclose(found.time, np.cumsum(gaps), rtol=1e-15)
+    np.testing.assert_array_equal(found.row, [1, 2, 3, 4, 5])
+    assert np.all(found.striker == 1.0)
+
+
+def test_beads_kicked_towards_each_other_exchange_velocities_where_their_paths_cross():
+    kicks = [{"bead": 1, "velocity": 1.0}, {"bead": 3, "velocity": -0.5}]
+    found = of_gaps([0.3, 0.5], beads=3, kick=kicks, duration=1.0)
+    # bead 1 meets bead 2 at 0.3; bead 2, then of velocity 1, is 0.35 from bead 3, which approaches with 0.5
+    np.testing.assert_allclose(found.time[:2], [0.3, 0.3 + 0.35 / 1.5], rtol=1e-15)
+    np.testing.assert_allclose(found.impulse[:2], [1.0, 1.5], rtol=1e-15)
 
 
 # --- an independent integration ---------------------------------------------------------------------------------------
@@ -204,8 +218,7 @@ def test_the_first_events_agree_with_fine_steps_and_bisection(chains, kappa, gap
 
 @pytest.mark.slow
 def test_many_collisions_keep_energy_and_momentum():
-    beads = 2000
-    problem = rigid_problem(2, beads, random_kicks(2, beads, 1), gap=1.0, duration=4000.0)
+    problem = rigid_problem(2, 2000, random_kicks(2, 2000, 1), gap=1.0, duration=4000.0)
     found = run(problem, max_events=200_000)
     assert len(found) == 200_000
     t = sample(found, np.linspace(0.0, found.until, 5))
@@ -217,8 +230,7 @@ def test_many_collisions_keep_energy_and_momentum():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("chains", [1, 2, 3, 5])
-@pytest.mark.parametrize("gap", [1e-3, 0.3, 10.0])
+@pytest.mark.parametrize(("chains", "gap"), [(1, 0.3), (2, 1e-3), (3, 10.0), (5, 0.3)])
 def test_beads_never_overlap(chains, gap):
     problem = rigid_problem(chains, 40, random_kicks(chains, 40, 2), kappa=0.4, gap=gap, duration=40.0)
     found = run(problem, max_events=20_000)
@@ -249,10 +261,8 @@ def test_two_runs_are_the_same_bit_for_bit():
 # --- sampling ---------------------------------------------------------------------------------------------------------
 
 
-def test_a_trajectory_has_the_problems_frames_and_beads():
-    problem = rigid_problem(3, 30, recorded=(1, 7, 30), duration=50.0)
-    t = joined(blocks(run(problem)))
-    assert t.displacement.shape == t.velocity.shape == (101, 3, 3)
+def test_a_trajectory_has_the_frames_and_beads_of_the_problem():
+    t = joined(blocks(run(rigid_problem(3, 30, recorded=(1, 7, 30), duration=50.0))))
     np.testing.assert_allclose(t.time, np.linspace(0.0, 50.0, 101))
     whole = joined(blocks(run(rigid_problem(3, 30, duration=50.0))))
     assert np.array_equal(t.velocity, whole.velocity[:, :, [0, 6, 29]])
@@ -264,32 +274,4 @@ def test_times_may_come_in_any_order_and_hold_the_velocities_after_a_collision()
     mixed, sorted_ = sample(found, times), sample(found, np.sort(times))
     assert np.array_equal(mixed.velocity[np.argsort(times)], sorted_.velocity)
     after = sample(found, found.time[:1]).velocity[0, 0]
-    assert after[0] == found.target[0]
-    assert after[1] == found.striker[0]
-
-
-def test_a_run_that_was_stopped_is_known_up_to_its_last_collision():
-    found = run(rigid_problem(), max_events=3)
-    assert len(found) == 3
-    assert found.until == found.time[-1]
-    assert joined(blocks(found)).time[-1] <= found.until
-    with pytest.raises(ValueError, match="known from 0"):
-        sample(found, np.array([found.until * 1.01]))
-    assert len(run(rigid_problem(), max_events=0)) == 0
-
-
-# --- the queue --------------------------------------------------------------------------------------------------------
-
-
-@settings(max_examples=20, deadline=None)
-@given(st.integers(1, 40), st.integers(0, 2**31))
-def test_the_first_member_is_always_the_earliest(members, seed):
-    random = np.random.default_rng(seed)
-    heap = make_heap(members)
-    times = np.full(members, np.inf)
-    for _ in range(200):
-        member = int(random.integers(members))
-        times[member] = random.choice([np.inf, float(random.integers(5)), random.random()])
-        reschedule(heap, member, times[member])
-        assert heap.time[heap.member[0]] == times.min()
-        assert np.array_equal(heap.member[heap.place], np.arange(members))
+    assert (after[0], after[1]) == (found.target[0], found.striker[0])

@@ -1,29 +1,27 @@
+"""The table of collisions, and impulses of rigid beads, a contact being one collision."""
+
+import math
+
 import numpy as np
 import pytest
+from small_problems import problem
 
 from analysis.quantity import csv_of, declared
-from lammps_inputs import InputError
 from lammps_inputs.units import make_scale
-from workflow.plugins.rigid import events
-from workflow.plugins.rigid.events import Collisions
+from workflow.plugins.rigid import engine, events
+from workflow.plugins.rigid.events import Collisions, from_events
 
 SI = make_scale(3.6e-3, 6.9e9, 0.7, si=True)
 
 
-def some(count):
+@pytest.mark.parametrize("count", [0, 500])
+def test_a_table_of_collisions_reads_back(count, tmp_path):
     random = np.random.default_rng(count)
     time, striker = np.cumsum(random.random(count)), random.uniform(0.1, 1.0, count)
-    return Collisions(
-        time, random.integers(1, 4, count), random.integers(1, 99, count), striker, striker - random.random(count)
-    )
-
-
-@pytest.mark.parametrize("count", [0, 1, 500])
-def test_a_table_of_collisions_reads_back(count, tmp_path):
-    path = tmp_path / "events.csv"
-    written = some(count)
-    path.write_text(csv_of(written, SI))
-    read = events.from_csv(path, SI)
+    chain, row = random.integers(1, 4, count), random.integers(1, 99, count)
+    written = Collisions(time, chain, row, striker, striker - random.random(count))
+    (tmp_path / "events.csv").write_text(csv_of(written, SI))
+    read = events.from_csv(tmp_path / "events.csv", SI)
     assert len(read) == count
     for name in declared(Collisions):
         # the scale is multiplied in and divided out: two roundings
@@ -38,30 +36,28 @@ def test_a_table_is_in_the_units_of_the_scene():
     assert [float(number) for number in line.split(",")] == [2.0 * SI.time, 1.0, 3.0, 0.5 * 0.7, 0.25 * 0.7, 0.0]
 
 
-@pytest.mark.parametrize("unit", [("", ""), (" (s)", " (m/s)")])
-def test_a_table_of_before_units_were_named_or_rounding_was_marked_is_read_too(unit, tmp_path):
-    path = tmp_path / "events.csv"
-    path.write_text(f"time{unit[0]},chain,row,striker{unit[1]},target{unit[1]}\n1.0,1,2,0.5,0.25\n")
-    read = events.from_csv(path, SI)
-    assert read.time == 1.0 / SI.time
-    assert read.rounding.tolist() == [0]
+TWICE = ((1, 1, 1.0), (1, 2, 0.2))
+"""Bead 1 hands 0.8 on to bead 2, which loses all to bead 3, and later the 0.2 that it was left with."""
 
 
-def test_the_impulse_is_what_is_handed_on():
-    assert Collisions(*(np.array([value]) for value in (0.0, 1, 1, 0.75, 0.25))).impulse == 0.5
+def impulses(duration=10.0, **keys):
+    keys = {"chains": 1, "beads": 2, "kicks": ((1, 1, 1.0),), "kappa": 0.0, "gap": 1.0, **keys}
+    times = {"timestep": 0.1, "steps_per_frame": 1, "frames": math.ceil(duration / 0.1 - 1e-9)}
+    case = problem(**keys, **times)
+    run = engine.run(case)
+    return from_events(case, Collisions(run.time, run.chain, run.row, run.striker, run.target))
 
 
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [("a,b\n1,2\n", "its columns should be time"), ("time,chain,row,striker,target\n1,x\n", "not a table")],
-)
-def test_another_table_is_refused(text, says, tmp_path):
-    path = tmp_path / "events.csv"
-    path.write_text(text)
-    with pytest.raises(InputError, match=says):
-        events.from_csv(path, SI)
+def test_first_and_later_contacts_are_told_apart():
+    found = impulses(beads=3, kicks=TWICE, gap=5.0, duration=60.0)
+    np.testing.assert_allclose(found.first[0], [0.8, 1.0], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(found.total[0], [1.0, 1.0], rtol=0, atol=1e-15)
+    assert found.contacts.tolist() == [[2, 1]]
 
 
-def test_a_missing_table_is_refused(tmp_path):
-    with pytest.raises(InputError, match="cannot be read"):
-        events.from_csv(tmp_path / "events.csv", SI)
+def test_what_was_never_struck_has_no_impulse_and_no_time():
+    found = impulses(beads=5, duration=2.5)
+    assert found.contacts[0].tolist() in ([1, 1, 0, 0], [1, 0, 0, 0])
+    assert found.first[0, -1] == found.total[0, -1] == 0.0
+    assert math.isnan(found.time[0, -1])
+    assert not impulses(duration=0.5).first.any()

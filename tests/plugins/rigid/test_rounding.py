@@ -10,8 +10,7 @@ from workflow.plugins.rigid.engine import run
 from workflow.plugins.rigid.rounding import by_rounding
 
 
-@pytest.mark.parametrize("kappa", [0.1, 0.5, 3.0])
-@pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 7])
+@pytest.mark.parametrize(("n", "kappa"), [(1, 0.1), (2, 3.0), (3, 0.5), (4, 0.1), (7, 3.0)])
 def test_at_multiples_of_half_pi_the_unmarked_collisions_are_those_of_the_exact_orbit(n, kappa):
     """The row's distance sin(omega t) V / 2 omega is 0 as bead k meets bead k + 1, at t = 2 k D / V, with all of V."""
     gap = n * math.pi / 2.0 / math.sqrt(2.0 * kappa)
@@ -27,8 +26,8 @@ def test_at_multiples_of_half_pi_the_unmarked_collisions_are_those_of_the_exact_
     np.testing.assert_allclose(found.impulse[sure], 1.0, atol=1e-3)
 
 
-@pytest.mark.parametrize("chains", [2, 3, 4])
-@pytest.mark.parametrize("theta", [0.5, 1.0, math.pi / 2.0, 2.0, math.pi, math.pi * (1.0 - 1e-14), 4.0, 5.0])
+@pytest.mark.parametrize("chains", [2, 3])
+@pytest.mark.parametrize("theta", [0.5, math.pi / 2.0, 2.0, math.pi * (1.0 - 1e-14), 5.0])
 def test_unmarked_collisions_do_not_depend_on_the_last_digits_of_the_coupling(theta, chains):
     kappa, gap = 0.5, theta
     found, other = (
@@ -49,7 +48,6 @@ def test_unmarked_collisions_do_not_depend_on_the_last_digits_of_the_coupling(th
         {"gap": math.pi + 1e-9},
         {"gap": 0.3},
         {"gap": 0.7, "kicks": [(1, 1, 1.0), (2, 1, 1.0)]},
-        {"gap": 1.0, "kappa": 0.0},
         {"gap": 1e4, "kappa": 0.0},
         {"gap": 1.0, "kicks": [(1, 10, 1.0)]},  # no collision
     ],

@@ -9,7 +9,6 @@ from stock_lammps import scene
 from analysis.quantity import declared
 from analysis.trajectory import joined
 from lammps_inputs import find, strict_yaml
-from lammps_inputs.library import from_plain
 from workflow.cli import main
 from workflow.plugins.rigid import engine as collisions
 from workflow.plugins.rigid import events
@@ -32,45 +31,19 @@ def directory(tmp_path_factory):
     return RunDirectory(path)
 
 
-def test_a_run_leaves_its_scene_frames_collisions_and_record(directory):
-    assert {path.name for path in directory.path.iterdir()} == {
-        "scene.yaml",
-        "chains.dump.bin",
-        "events.csv",
-        "run.json",
-    }
-    record = directory.job.plain()
-    assert (record["engine"], record["outcome"]) == ("collisions", "done")
-    assert record["steps_done"] == record["steps"]
-    assert "check" not in record
-
-
-def test_the_collisions_of_a_run_are_those_of_the_engine(directory):
-    table, exact = (
-        events.from_csv(directory.path / "events.csv", directory.problem.scale),
-        collisions.run(directory.problem),
-    )
+def test_a_run_leaves_the_collisions_and_the_motion_of_the_engine(directory):
+    files = {path.name for path in directory.path.iterdir()}
+    assert files == {"scene.yaml", "chains.dump.bin", "events.csv", "run.json"}
+    exact = collisions.run(directory.problem)
+    table = events.from_csv(directory.path / "events.csv", directory.problem.scale)
     assert directory.job.collisions == len(table) == len(exact) > 20
     np.testing.assert_array_equal(table.rounding, by_rounding(exact).collisions)
     for name in set(declared(events.Collisions)) - {"rounding"}:
         np.testing.assert_array_equal(getattr(table, name), getattr(exact, name))  # all scales are 1 here
-
-
-def test_the_frames_of_a_run_are_the_exact_motion(directory):
-    frames, exact = directory.trajectory, joined(collisions.blocks(collisions.run(directory.problem)))
-    np.testing.assert_array_equal(frames.velocity, exact.velocity)
+    frames, motion = directory.trajectory, joined(collisions.blocks(exact))
+    np.testing.assert_array_equal(frames.velocity, motion.velocity)
     # the file holds positions, rounded at 12 * 5 or below
-    np.testing.assert_allclose(frames.displacement, exact.displacement, rtol=0, atol=np.spacing(64.0))
-
-
-def test_blocks_are_the_motion_at_the_frames_cut():
-    problem = gapped(chains=3, beads=700, duration=60.0).problem()
-    found = collisions.run(problem)
-    parts = list(collisions.blocks(found))
-    whole = collisions.sample(found, problem.every * np.arange(problem.frames + 1.0))
-    assert len(parts) > 3
-    np.testing.assert_array_equal(np.concatenate([part.velocity for part in parts]), whole.velocity)
-    np.testing.assert_array_equal(np.concatenate([part.time for part in parts]), whole.time)
+    np.testing.assert_allclose(frames.displacement, motion.displacement, rtol=0, atol=np.spacing(64.0))
 
 
 def test_a_run_of_rigid_beads_is_analysed_like_any(directory):
@@ -95,20 +68,15 @@ def test_chains_of_rigid_beads_are_compared_by_the_impulses_of_their_collisions(
     assert "beating: impulses of first contacts differ by up to" in capsys.readouterr().out
 
 
-def test_overwriting_removes_the_collisions_of_an_earlier_run(tmp_path):
-    run(gapped(), tmp_path / "run", engine="collisions")
-    run(gapped(duration=2.0), tmp_path / "run", engine="reference", overwrite=True)
-    assert not (tmp_path / "run" / "events.csv").exists()
-
-
-def test_the_command_says_how_many_collisions_there_were(tmp_path, capsys):
-    assert main(["run", "two-chains-gapped", "--engine", "collisions", "-o", str(tmp_path / "run")]) == 0
-    out = capsys.readouterr().out
-    assert "collisions of rigid beads were computed in " in out
-    assert "events.csv" in out
-    lines = (tmp_path / "run" / "events.csv").read_text().splitlines()
-    assert f"\n{len(lines) - 1} collisions" in out
-    assert main(["analyze", str(tmp_path / "run"), "--no-figures"]) == 0
+def test_the_command_says_how_many_collisions_there_were_and_overwriting_removes_them(tmp_path, capsys):
+    path, directory = tmp_path / "scene.yaml", tmp_path / "run"
+    path.write_text(strict_yaml.dump(gapped().plain()))
+    words = ["run", str(path), "-o", str(directory)]
+    assert main([*words, "--engine", "collisions"]) == 0
+    lines = (directory / "events.csv").read_text().splitlines()
+    assert f"\n{len(lines) - 1} collisions" in capsys.readouterr().out
+    assert main([*words, "--engine", "reference", "--overwrite"]) == 0
+    assert not (directory / "events.csv").exists()
 
 
 def test_collisions_that_follow_rounding_are_marked_and_named_by_run_and_analyze(tmp_path, capsys):
@@ -129,11 +97,3 @@ def test_collisions_that_follow_rounding_are_marked_and_named_by_run_and_analyze
     assert late.any()
     assert not late.all()
     assert np.array_equal(np.isnan(analysis.survey.waves.peak_velocity_error), late)
-
-
-def test_rigid_beads_have_no_hertzian_contacts(tmp_path):
-    steel = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
-    plain = {"name": "rigid", "beads": 4, "gap": 1e-5, "material": steel, "kick": {"velocity": 1.0}, "duration": 1e-4}
-    result = run(from_plain(plain, "rigid"), tmp_path / "run", engine="collisions")
-    assert result.directory.job.contacts is None
-    assert "contacts" not in analyse(result.directory, figures=False).measurements

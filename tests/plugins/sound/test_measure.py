@@ -17,13 +17,6 @@ from workflow.plugins.sound.loaded_pulse import Sound as Measured
 STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
 
 
-@pytest.fixture(scope="module", params=[False, True], ids=["reduced", "SI"])
-def problem(request):
-    """Two chains of ten beads."""
-    kick = (Kick(velocity=0.5),)
-    return scene(chains=2, beads=10, kick=kick, material=Material(**STEEL) if request.param else None).problem()
-
-
 def sound_of(problem, bead_length, wave=None, crests=()):
     return sound.SoundMeasurement(
         problem, Measured.of(problem, wave, SimpleNamespace(crests=crests), bead_length), bead_length
@@ -66,15 +59,12 @@ def test_the_cutoff_is_the_edge_of_the_highest_band_and_springs_to_the_ground_le
     assert held["cutoff"] == pytest.approx(math.sqrt(4.0 * 1.5 + 0.5))
     assert held["speed"] is held["metres"] is None
     assert line.endswith("hold the beads; small waves have frequencies from 0.707107 to 2.54951 rad per unit time")
+    tapered = library.from_plain({**plain, "taper": 0.02, "foundation": {"stiffness": 100.0}}, "a").problem()
+    assert sound_of(tapered, 1.0).plain()["cutoff"] > 10.0  # a bound, on springs too
 
 
-def test_where_nothing_repeats_the_cutoff_bounds_motion_on_springs_too():
-    plain = {"name": "a", "beads": 20, "precompression": {"force": 1.0}, "kick": {"velocity": 0.1}, "duration": 20.0}
-    plain |= {"taper": 0.02, "foundation": {"stiffness": 100.0}}
-    assert sound_of(library.from_plain(plain, "a").problem(), 1.0).plain()["cutoff"] > 10.0
-
-
-def test_bands_and_their_bin_are_in_the_scenes_units(problem):
+def test_bands_and_their_bin_are_in_the_units_of_the_scene():
+    problem = scene(chains=2, beads=10, kick=(Kick(velocity=0.5),), material=Material(**STEEL)).problem()
     cell = UnitCell(np.ones((1, 1)), np.full((1, 1), 2.25), np.zeros((1, 1, 1)))  # omega = 3 |sin(q / 2)|
     frequency = np.array([0.0, 0.25])
     folded, exact = np.array([0.1, 0.2]), np.zeros((2, 1))

@@ -1,19 +1,18 @@
 """Where a quantity crosses a value: brackets of known functions, exact cases, resumption, and what has no threshold."""
 
 import csv
+import itertools
 import math
-import shlex
 
 import pytest
 from figure_table import assert_shown
+from pool_here import answers
 
-import granchain
-from lammps_inputs import InputError, strict_yaml
+from lammps_inputs import strict_yaml
 from workflow.cli import main
-from workflow.plugins.threshold import study
 from workflow.plugins.threshold.crossings import SearchedField, crossings, wanted
-from workflow.quantities.evaluate import scene_to_run
 from workflow.study_kit import directory as studying
+from workflow.workers.pool import Pool
 
 pytestmark = pytest.mark.usefixtures("pool_here")
 
@@ -75,13 +74,7 @@ def test_without_two_sides_there_is_no_bracket_and_no_search_beyond_the_scan(fun
     assert (found, sorted(known)) == ([], LINEAR.scan())
 
 
-CHAIN = {
-    "name": "chain",
-    "chains": 1,
-    "beads": 24,
-    "kick": {"velocity": 1.0},
-    "until_bead": 20,
-}
+CHAIN = {"name": "chain", "chains": 1, "beads": 24, "kick": {"velocity": 1.0}, "until_bead": 20}
 """One chain: times are in proportion to the kick's velocity to the power -1/5 (contacts of exponent 3/2)."""
 
 
@@ -147,9 +140,7 @@ NINE = ",".join(map(str, range(20, 29)))
     [
         ("crossing", []),
         ("curve", ["--over", "beads=24,25"]),
-        ("no-crossing", ["--where", "mass=100", "--over", "beads=24,25"]),
         ("no-crossing-map", ["--where", "mass=100", "--over", f"beads={NINE}"]),
-        ("undefined", ["--where", "agree_1=3"]),
     ],
 )
 def test_the_figure_marks_the_value_and_the_crossing_or_without_one_what_was_computed(
@@ -170,13 +161,6 @@ def test_values_of_a_second_field_are_read_as_those_of_a_scene_lists_too(tmp_pat
     assert [one["over"] for one in found] == ["2", "1.0"]
 
 
-def test_the_reason_for_no_threshold_is_that_of_the_same_value_of_the_second_field(tmp_path, capsys):
-    asked(tmp_path, *BY_MASS, "--where", "agree_1=3", "--over", "beads=24.5,24", scene=STRUCK)
-    refused, undefined = capsys.readouterr().out.splitlines()[:2]
-    assert refused.endswith("chain.yaml: beads: should be a whole number, 24.5 given)")
-    assert undefined.endswith("at beads = 24 (`granchain help agree_1` says when)")
-
-
 @pytest.mark.parametrize(
     ("where", "says"),
     [
@@ -193,23 +177,25 @@ def test_no_threshold_is_one_line_and_exit_code_1(where, says, tmp_path, capsys)
     assert says in capsys.readouterr().out.splitlines()
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("example", study.EXAMPLES)
-def test_the_examples_of_its_help_find_thresholds(example, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert main(shlex.split(example)) == 0
-    table = tmp_path / shlex.split(example)[-1] / "threshold.csv"
-    found = list(csv.DictReader(table.read_text().splitlines()))
-    assert [one["over"] for one in found] == (["2", "3", "4"] if "--over" in example else [""])
-    assert all(0.02 < float(one["place"]) < 0.5 for one in found)
+@pytest.mark.usefixtures("drawn")
+def test_a_search_that_was_interrupted_keeps_what_it_computed_and_ends_as_one_that_was_not(
+    tmp_path, monkeypatch, capsys
+):
+    def interrupted(pool, tasks):
+        yield from itertools.islice(answers(pool, tasks), 2)
+        raise KeyboardInterrupt
 
-
-def test_a_quantity_at_a_bead_that_there_is_not_is_refused():
-    with pytest.raises(InputError, match="speed@25: the chains have 24 beads"):
-        scene_to_run(CHAIN, ("speed@25",), "chain")
-
-
-def test_no_quantity_is_refused_by_the_function(tmp_path):
-    with pytest.raises(InputError, match=r"^where: 0 entries given"):
-        granchain.threshold(CHAIN, {}, {}, tmp_path / "new")
-    assert not list(tmp_path.iterdir())
+    (tmp_path / "s.yaml").write_text(strict_yaml.dump(STRUCK))
+    words = ["threshold", str(tmp_path / "s.yaml"), *BY_MASS, "-o"]
+    with monkeypatch.context() as patch:
+        patch.setattr(Pool, "answers", interrupted)
+        assert main([*words, str(tmp_path / "cut")]) == 130
+    assert "the same command resumes" in capsys.readouterr().out
+    cache = tmp_path / "cut" / "evaluations.jsonl"
+    kept = cache.read_text()
+    assert len(kept.splitlines()) == 2
+    assert main([*words, str(tmp_path / "cut")]) == main([*words, str(tmp_path / "whole")]) == 0
+    assert cache.read_text().startswith(kept)
+    tables = [path.name for path in (tmp_path / "whole").glob("*.csv")]
+    assert len(tables) == 2
+    assert all((tmp_path / "cut" / name).read_text() == (tmp_path / "whole" / name).read_text() for name in tables)

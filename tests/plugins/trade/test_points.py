@@ -53,17 +53,14 @@ class Machine:
         return measure(settings, self.run, errors, TrialLimits(clock=lambda: self.now, **limits), follow)
 
 
-def test_the_first_call_gives_the_error_and_stands_apart_from_the_repeats():
+def test_the_first_call_gives_the_error_and_stands_apart_from_the_repeats_which_take_turns():
     (point,) = Machine().measured(by_step(2), repeats=3)
     assert point.errors == {"velocity": 0.25}
     assert (point.first, point.calls) == (12.0, [2.25, 2.5, 2.75, 3.0])
     assert (point.repeats, point.seconds) == ([2.5, 2.75, 3.0], 2.75)
     assert Machine().measured(by_step(2), repeats=0)[0].seconds == 2.25
-
-
-def test_rounds_take_every_setting_in_turn():
     machine = Machine()
-    machine.measured(by_step(2, 4), repeats=2)
+    assert [one.pooled for one in machine.measured(by_step(2, 4), repeats=2)] == [None, None]  # medians rise
     assert machine.calls == [2, 4] * 3
 
 
@@ -93,32 +90,17 @@ def test_times_of_a_method_rise_with_its_evaluations_of_forces_whatever_else_run
             )
 
 
-def test_a_median_that_rises_with_the_effort_is_the_time():
-    points = Machine().measured(by_step(1, 2, 4), repeats=3)
-    assert [point.pooled for point in points] == [None, None, None]
-
-
-def test_the_order_of_small_steps_is_named_where_a_larger_one_was_measured():
-    words = " ".join(said([*VERLET, *REFERENCE]))
-    assert "error of order 2.5" in words
-    assert "a scheme of order 4" in words
-    assert "order 2.5" not in " ".join(said(VERLET))
-
-
-def test_nothing_is_repeated_beyond_the_budget():
+def test_nothing_is_repeated_beyond_the_budget_and_progress_counts_to_its_total():
     points = Machine().measured(by_step(1, 2), repeats=5, budget=26.0)
     assert [len(point.calls) for point in points] == [3, 2]
+    seen = []
+    Machine().measured(by_step(1, 2, 100), lambda _, *counts: seen.append(counts), repeats=4, longest=50.0)
+    assert seen == [(done, 15) for done in range(1, 16)]
 
 
 def test_a_run_that_fails_is_noted_and_the_others_continue():
     points = Machine(fails=(2,)).measured(by_step(2, 4), repeats=2)
     assert [(point.left_out, point.measured) for point in points] == [("it blew up", False), ("", True)]
-
-
-def test_progress_counts_to_its_total_also_where_calls_are_left_out():
-    seen = []
-    Machine().measured(by_step(1, 2, 100), lambda _, *counts: seen.append(counts), repeats=4, longest=50.0)
-    assert seen == [(done, 15) for done in range(1, 16)]
 
 
 # --- orders, fronts and choices ---------------------------------------------------------------------------------------
@@ -159,12 +141,9 @@ def test_the_standard_error_of_an_order_is_that_of_a_regression():
     assert found.standard_error == pytest.approx(expected, rel=1e-9)
 
 
-def test_two_steps_have_an_order_without_an_error_and_one_has_none():
+def test_two_steps_have_an_order_without_an_error_and_one_step_or_ranks_have_none():
     assert math.isnan(order(law([0.1, 0.05], 2.0), 0.0).standard_error)
     assert order(law([0.1], 2.0), 0.0) is None
-
-
-def test_settings_that_are_no_steps_have_no_order():
     ranks = [MeasuredSetting(EngineSetting(RANKS, count, OWN), {"velocity": 0.01 * count}, [1.0]) for count in (1, 2)]
     assert Findings(OWN, points=ranks).orders() == []
 
@@ -175,13 +154,10 @@ def test_the_front_is_what_no_measured_point_beats_in_both():
     assert pareto([*beaten, MeasuredSetting(kept[0].setting), *reversed(kept)], "velocity") == kept
 
 
-def test_the_fastest_that_suffices_is_chosen_whatever_its_first_call_took():
+def test_the_fastest_that_suffices_above_the_uncertainty_is_chosen_whatever_its_first_call_took():
     points = [point(1e-2, 1.0), point(1e-5, 3.0, first=0.0), point(5e-5, 2.0), point(1e-9, 100.0)]
     assert cheapest(points, 1e-4) is points[2]
     assert cheapest(points, 1e-10) is None
-
-
-def test_an_accuracy_within_the_uncertainty_of_the_reference_is_not_reached():
     points = [point(9e-9, 1.0)]
     assert cheapest(points, 1e-8, 0.5e-9) is points[0]
     assert cheapest(points, 1e-8, 2e-9) is None
@@ -220,31 +196,21 @@ VERLET = by_law("LAMMPS verlet", 1.6, 2.0, 1e-5)
 REFERENCE = by_law("reference blanes-moan", 0.02, 4.0, 1e-6)
 
 
-def test_each_accuracy_has_one_sentence_with_the_cheapest_engine_and_the_step_of_lammps():
-    words = said([*VERLET, *REFERENCE])
-    step = max(each.setting.value for each in VERLET if each.errors["velocity"] <= 1e-4)
-    assert "reference blanes-moan" in about(1e-4, words)
-    assert f"`timestep: {step:.5g}`" in about(1e-4, words)
-
-
-def test_what_nothing_reaches_is_said_with_the_nearest():
-    sentence = about(1e-8, said(VERLET))
-    least = min(VERLET, key=lambda each: each.errors["velocity"])
-    assert "nothing measured reaches it" in sentence
-    assert f"{least.errors['velocity']:.1e} V" in sentence
-
-
-def test_what_lammps_does_not_reach_is_said():
+def test_advice_names_what_is_not_reached_not_known_left_out_or_of_coarser_frames(golden):
+    gone = [MeasuredSetting(each.setting, left_out="would take 9 s") for each in VERLET[-3:]]
     exact = found(REFERENCE[-1].setting, 1e-9, 1.0)
-    sentence = about(1e-8, said([*VERLET, exact]))
-    assert "reference blanes-moan" in sentence
-    assert "no measured time step of LAMMPS reaches it" in sentence
-
-
-def test_errors_that_are_not_well_above_the_uncertainty_are_named_and_not_advised():
-    words = said([found(REFERENCE[-1].setting, 1e-9, 1.0)], uncertainty=1e-7)
-    assert "errors of velocities below 1.0e-06 V are not well known" in words[0]
-    assert "nothing measured reaches it" in about(1e-8, words)
+    many = problem(beads=100)
+    window = by_law("LAMMPS window", 1e-9, 0.0, 0.5e-5, many)
+    cases = {
+        "both": said([*VERLET, *REFERENCE]),
+        "verlet alone, some left out": said([*VERLET[:-3], *gone]),
+        "one exact": said([*VERLET, exact]),
+        "uncertain reference": said([exact], uncertainty=1e-7),
+        "window": said([*by_law("LAMMPS verlet", 1.6, 2.0, 1e-5, many), *window], own=many),
+        "nothing": said([]),
+        "interrupted": sentences(Findings(problem(), notes=["Interrupted."])),
+    }
+    golden("advice", "\n".join(line for title, lines in cases.items() for line in (f"{title}:", *lines, "")))
 
 
 @pytest.mark.parametrize("every", [0.1, 0.12345678901, 1.2238123e-05])
@@ -256,11 +222,6 @@ def test_a_step_that_is_advised_is_one_that_the_scene_accepts(every):
     step = float(sentence.split("timestep: ")[1].split("`")[0])
     scene = {"name": "a", "beads": 8, "kick": {"velocity": 1.0}, "duration": 40.0 * every, "output": {"every": every}}
     Scene.model_validate({**scene, "timestep": step})
-
-
-def test_coarser_frames_are_named():
-    sentence = about(1e-2, said(REFERENCE))
-    assert "frames 0.4 apart" in sentence
 
 
 @pytest.mark.parametrize(
@@ -276,21 +237,3 @@ def test_one_sentence_says_from_which_error_on_suzuki4_is_faster(times, says):
     if times == 7.0:
         error = float(sentence.split("error of ")[1].split(" V")[0])
         assert 1e-6 < error <= 1e-5  # the next step of suzuki4
-
-
-def test_windows_are_in_no_advice_for_all_beads():
-    own = problem(beads=100)
-    window = by_law("LAMMPS window", 1e-9, 0.0, 0.5e-5, own)
-    words = said([*by_law("LAMMPS verlet", 1.6, 2.0, 1e-5, own), *window], own=own)
-    assert "nothing measured reaches it" in about(1e-8, words)
-
-
-def test_what_was_left_out_has_one_sentence_a_method():
-    gone = [MeasuredSetting(each.setting, left_out="would take 9 s") for each in VERLET[-3:]]
-    words = [sentence for sentence in said([*VERLET[:-3], *gone]) if sentence.startswith("Left out")]
-    assert words == [f"Left out: LAMMPS verlet, {gone[0].setting.label} (would take 9 s), and 2 more."]
-
-
-def test_a_study_without_points_is_no_error():
-    assert any("nothing was measured" in sentence for sentence in said([]))
-    assert sentences(Findings(problem(), notes=["Interrupted."])) == ["Interrupted."]

@@ -4,14 +4,9 @@ import contextlib
 import csv
 import io
 import json
-import os
-import signal
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-from processes import HANGS, started, wait_until
 
 from lammps_inputs import Scene, strict_yaml
 from workflow.cli import main
@@ -22,14 +17,8 @@ from workflow.plugins.trade.study import plain_problem
 from workflow.runs.run import run
 
 SCENE = {
-    "name": "small",
-    "chains": 2,
-    "beads": 10,
-    "coupling": {"stiffness": 0.1},
-    "kick": {"velocity": 1.0},
-    "duration": 12.0,
-    "timestep": 0.01,
-    "output": {"every": 0.1},
+    **{"name": "small", "chains": 2, "beads": 10, "coupling": {"stiffness": 0.1}, "kick": {"velocity": 1.0}},
+    **{"duration": 12.0, "timestep": 0.01, "output": {"every": 0.1}},
 }
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -43,7 +32,7 @@ def written(directory, **changes):
     return str(path)
 
 
-@pytest.fixture(scope="module", params=[pytest.param("", marks=pytest.mark.slow)])
+@pytest.fixture(scope="module")
 def found(tmp_path_factory):
     """What the command says, its table, its report and its directory."""
     directory = tmp_path_factory.mktemp("trade")
@@ -69,13 +58,23 @@ def velocity(row):
 
 
 @pytest.mark.slow
-def test_every_choice_is_measured(found):
-    methods = {row["method"] for row in found[1]}
+def test_every_choice_is_measured_with_its_times_and_evaluations_of_forces(found):
+    _, rows, report, directory = found
     always = {"LAMMPS verlet", "LAMMPS suzuki4", "reference blanes-moan"}
-    assert methods == (always | {"LAMMPS ranks"} if mpi.cores() > 1 else always)
-    assert all(velocity(row) > 0.0 for row in found[1])
+    assert {row["method"] for row in rows} == (always | {"LAMMPS ranks"} if mpi.cores() > 1 else always)
+    for row in rows:
+        assert velocity(row) > 0.0
+        low, middle, high = (float(row[name]) for name in ("seconds_min", "seconds", "seconds_max"))
+        assert 0.0 < low <= middle <= high
+        assert float(row["first"]) > 0.0
+        stages = 6 if row["method"] == "reference blanes-moan" else 1
+        assert float(row["forces"]) == pytest.approx(12.0 / float(row["timestep"]) * stages)
+    assert [row["setting"] for row in report["engines"]] == [row["setting"] for row in rows]
+    files = {path.name for path in directory.iterdir()}
+    assert files == {"trade.csv", "frames.csv", "trade.json", "trade.png", "run.json"}
 
 
+@pytest.mark.slow
 def test_verlet_has_order_two(found):
     # orders come in halves, for contacts open and close; a quarter tells 2 from what is next to it
     (order,) = [one for one in found[2]["orders"] if one["method"] == "LAMMPS verlet"]
@@ -83,6 +82,7 @@ def test_verlet_has_order_two(found):
     assert order["order"] == pytest.approx(2.0, abs=0.25)
 
 
+@pytest.mark.slow
 def test_the_error_of_lammps_is_its_difference_from_a_much_finer_reference(found, tmp_path):
     scene = Scene.model_validate(SCENE)
     exact = engine.run(scene.problem(), steps_per_frame=400)
@@ -92,6 +92,7 @@ def test_the_error_of_lammps_is_its_difference_from_a_much_finer_reference(found
     assert velocity(row) == pytest.approx(error, abs=found[2]["reference"]["velocity"])
 
 
+@pytest.mark.slow
 def test_the_uncertainty_of_the_reference_is_below_all_errors_and_printed(found):
     sure = found[2]["reference"]["velocity"]
     assert sure <= 1e-10
@@ -99,53 +100,12 @@ def test_the_uncertainty_of_the_reference_is_below_all_errors_and_printed(found)
     assert f"Uncertainty of the reference: {sure:.1e} V" in found[0]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
 def test_ranks_change_no_error(found):
     (one,) = [row for row in of(found[1], "LAMMPS verlet") if float(row["timestep"]) == 0.01]
     two = of(found[1], "LAMMPS ranks")[0]
     assert [one[name] for name in ERRORS] == [two[name] for name in ERRORS]
-
-
-def test_the_table_has_the_range_and_the_first_call_apart(found):
-    for row in found[1]:
-        low, middle, high = (float(row[name]) for name in ("seconds_min", "seconds", "seconds_max"))
-        assert 0.0 < low <= middle <= high
-        assert float(row["first"]) > 0.0
-    assert [row["setting"] for row in found[2]["engines"]] == [row["setting"] for row in found[1]]
-
-
-def test_forces_are_counted(found):
-    for row in found[1]:
-        stages = 6 if row["method"] == "reference blanes-moan" else 1
-        assert float(row["forces"]) == pytest.approx(12.0 / float(row["timestep"]) * stages)
-
-
-def test_the_figure_and_the_tables_are_all_that_is_left(found):
-    assert {path.name for path in found[3].iterdir()} == {
-        "trade.csv", "frames.csv", "trade.json", "trade.png", "run.json"
-    }  # fmt: skip
-    assert (found[3] / "trade.png").stat().st_size > 10_000
-
-
-@pytest.mark.slow
-def test_an_interruption_leaves_what_was_measured(tmp_path):
-    granchain = str(Path(sys.executable).with_name("granchain"))
-    path = tmp_path / "out" / "trade.csv"
-
-    def under_way():
-        return path.exists() and len(table(path)) >= 3
-
-    with started([granchain, "trade", written(tmp_path), "-o", tmp_path / "out"]) as process:
-        assert wait_until(under_way, process)
-        os.killpg(process.pid, signal.SIGINT)
-        _, err = process.communicate(timeout=HANGS)
-    assert process.returncode == 130
-    assert "interrupted" in err
-    assert "Traceback" not in err
-    assert len(table(path)) >= 3
-    report = json.loads((tmp_path / "out" / "trade.json").read_text())
-    assert not report["whole"]
-    assert not [path for path in (tmp_path / "out").iterdir() if path.name.startswith(".")]
 
 
 def test_a_scene_that_asks_for_an_accuracy_or_a_scheme_is_measured_as_it_would_be_run():

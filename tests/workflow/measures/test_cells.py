@@ -3,9 +3,13 @@
 import errors_between_frames as errors
 import numpy as np
 import pytest
+from synthetic_waves import surveyed
 
 from analysis.sharing.survey import Survey
-from workflow.measures.cells import Left, left
+from lammps_inputs import library
+from workflow.engines.reference import engine
+from workflow.measures.cells import CellMeasurement, CellMeter, Left, left
+from workflow.measures.measurement import Recorded
 
 NUMBERS = ("carried", "per_cell", "rate")
 
@@ -39,3 +43,14 @@ def test_a_pulse_that_passes_no_whole_cell_carries_what_it_has_at_the_last_bead_
     assert found is not None
     assert (found.carried, found.carried_error) == (whole.carried, whole.carried_error)
     assert np.isnan([found.per_cell, found.rate, found.per_cell_error, found.rate_error]).all()
+
+
+def test_the_residual_energy_is_that_of_the_chain_that_was_kicked_the_hardest():
+    kicks = [{"chain": 1, "velocity": 0.5}, {"chain": 2, "velocity": 1.0}]
+    dimer = {"kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.6}}, "pattern": ["heavy", "light"]}
+    scene = library.from_plain({"name": "a", "chains": 2, "beads": 50, "kick": kicks, "duration": 70.0, **dimer}, "")
+    recorded = Recorded(scene, scene.problem())
+    run = engine.run(recorded.problem)
+    found = CellMeasurement.of_run(recorded, surveyed(run), CellMeter().read([run])).values
+    weak, strong = (chain.per_cell for chain in found.chains)
+    assert found.residual_energy == strong == pytest.approx(4.0 * weak, rel=0.01)  # waves of any velocity are alike

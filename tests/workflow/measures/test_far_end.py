@@ -72,6 +72,16 @@ def test_a_record_that_ends_before_or_inside_the_pulse_has_no_largest_value_of_i
     assert all(math.isnan(value) for value in of(int(0.9 * begins)).values())
 
 
+def test_energy_at_a_free_end_is_known_when_it_has_been_level_for_as_long_as_it_rose_from_a_quarter_to_half():
+    small = of_keys(beads=20, kick={"velocity": 1.0}, duration=40.0, output={"every": 0.05})
+    run = engine.run(small)
+    there = motion.bead_energy(small.system, run.displacement[..., 18:], run.velocity[..., 18:], 19).sum(axis=(1, 2))
+    quarter, half, level = (np.interp(share * there[-1], there, run.time) for share in (0.25, 0.5, 0.999))
+    known = level + half - quarter
+    seen = [far_end(run[run.time < until]).transmitted_energy for until in (known - 0.2, known + 0.2)]
+    assert [math.isfinite(value) for value in seen] == [False, True]
+
+
 def test_what_is_at_the_far_end_from_the_start_has_not_arrived_there():
     found = far_end(engine.run(problem(beads=20, chains=1, kicks=((1, 19, 1.0),))))
     assert all(math.isnan(getattr(found, name)) and math.isnan(getattr(found, f"{name}_error")) for name in VALUES)
@@ -93,18 +103,21 @@ def test_what_has_arrived_is_off_by_no_more_than_its_uncertainty_which_covers_th
     assert total.delay_error == pytest.approx(found.delay_error + 1e-3)
 
 
-def test_the_force_of_a_wall_that_is_only_relieved_is_undefined():
-    """The last bead of a loaded chain is pulled away from the wall and comes back to where it was."""
+@pytest.mark.parametrize(("moved", "felt"), [(-0.1, False), (1e-11, False), (1e-7, True)])
+def test_the_force_of_a_loaded_wall_is_defined_where_it_exceeds_the_load_and_not_by_rounding(moved, felt):
+    """The last bead goes from or into the wall and comes back to where it was."""
     plain = {"chains": 1, "beads": 20, "walls": {"right": "bead"}, "precompression": {"force": 0.5}}
     small = of_keys(**plain, kick={"velocity": 1.0}, duration=10.0)
 
     def motion(time):
-        moved = np.zeros((time.shape[0], 1, 20))
-        moved[:, :, 19] = -0.1 * np.sin(math.pi * time[..., 0] / 10.0) ** 2
-        return moved, np.zeros_like(moved)
+        x, v = np.zeros((2, time.shape[0], 1, 20))
+        x[:, :, 19] = moved * np.sin(math.pi * time[..., 0] / 10.0) ** 2
+        v[:, :, 19] = moved * math.pi / 10.0 * np.sin(math.pi * time[..., 0] / 5.0)
+        return x, v
 
     found = far_end(written_down(small, motion))
-    assert all(math.isnan(getattr(found, name)) for name in ("wall_force", "wall_force_chain", "delay"))
+    assert [math.isfinite(getattr(found, name)) for name in ("wall_force", "wall_force_chain", "delay")] == 3 * [felt]
+    assert found.delay == pytest.approx(5.0 if felt else math.nan, abs=1e-3, nan_ok=True)
 
 
 PUSH = {"push": {"peak": 0.5, "duration": 3.0, "shape": "half-sine"}}

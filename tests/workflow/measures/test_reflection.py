@@ -83,9 +83,9 @@ def test_no_ratio_is_given_where_a_pulse_does_not_keep_its_velocity(changes):
 
 @pytest.mark.parametrize(("meet", "known"), [(24.0, True), (10.0, False)])
 def test_a_reflected_pulse_is_read_before_it_meets_the_next_incident_one(meet, known):
-    """It loses a fifth where they meet, so many beads from the wall."""
+    """It loses a fifth where they meet, so many beads from the wall; the next one is in the chain before it returns."""
     there, back = there_and_back(lambda _: 1.0, lambda d: 0.9 if d < meet else 0.72)
-    second = pulse(1, 1, there.bead, there.arrival[0] + 2.0 * meet, lambda _: 0.5)
+    second = pulse(1, 1, range(1, BEADS + 1), 2.0 * meet - 28.0, lambda _: 0.5)
     found = reflections((there, back, second), PLAIN, right=True)[0]
     assert (found is not None) == known
     if found is not None:

@@ -1,18 +1,14 @@
 """Spectra: amplitudes of sines, on a line, between two, and at just one frequency; of which beads, from when on."""
 
-import csv
-import io
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from small_problems import problem, written_down
 
-from analysis.quantity import csv_of
 from analysis.sharing.run_error import MeasuredError
 from lammps_inputs.laws.in_time import Oscillation
 from lammps_inputs.loads import Motion
-from lammps_inputs.units import make_scale
 from workflow.measures.spectra import (
     SpectrumMeter,
     VelocitySpectra,
@@ -77,25 +73,6 @@ SWINGS = VelocitySpectra(
 )
 
 
-def test_the_highest_line_is_none_of_a_slow_drift_at_frequency_0():
-    drifting = replace(SWINGS, amplitude=np.concatenate([np.ones((1, 2, 2)), SWINGS.amplitude[1:]]))
-    found = drifting.found(problem()).beads
-    assert [(line.frequency, line.amplitude) for line in found] == [(0.1, 0.13), (0.1, 0.18), (0.1, 0.23), (0.1, 0.28)]
-
-
-@pytest.mark.parametrize("si", [False, True])
-def test_the_table_has_each_chain_and_bead_in_its_column_in_the_scenes_units(si):
-    scale = make_scale(2.0, 3.0, 0.1, si=si)
-    first, line = csv.DictReader(io.StringIO(csv_of(SWINGS.table(), scale)))
-    assert float(first["frequency (Hz)" if si else "frequency"]) == 0.0
-    assert float(line.pop("frequency (Hz)" if si else "frequency")) == pytest.approx(0.1 / scale.time)
-    unit = " (m/s)" if si else ""
-    expected = {f"chain {c} bead {b}{unit}": (c / 10 + b / 100) * 0.1 for c in (1, 2) for b in (3, 8)}
-    errors = zip(((1, 3), (1, 8), (2, 3), (2, 8)), (0.01, 0.02, 0.03, 0.04), strict=True)
-    expected |= {f"chain {c} bead {b} error{unit}": 0.1 * error for (c, b), error in errors}
-    assert {name: float(value) for name, value in line.items()} == pytest.approx(expected)
-
-
 def test_what_is_passed_on_is_over_the_first_bead_named_of_the_same_chain():
     np.testing.assert_allclose(SWINGS.transmissibility, [[[1.0, 0.2], [1.0, 0.5]]])
 
@@ -149,3 +126,9 @@ def test_amplitudes_have_twice_the_error_of_the_velocities_of_the_run():
     total = SWINGS.with_error(MeasuredError(velocity=0.01, measured=True))
     np.testing.assert_allclose(total.amplitude_error - SWINGS.amplitude_error, 0.02)
     np.testing.assert_allclose(total.at_drive_error - SWINGS.at_drive_error, 0.02)
+
+
+def test_the_highest_line_is_none_of_a_slow_drift_at_frequency_0():
+    drifting = replace(SWINGS, amplitude=np.concatenate([np.ones((1, 2, 2)), SWINGS.amplitude[1:]]))
+    found = drifting.found(problem()).beads
+    assert [(line.frequency, line.amplitude) for line in found] == [(0.1, 0.13), (0.1, 0.18), (0.1, 0.23), (0.1, 0.28)]

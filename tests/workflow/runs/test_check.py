@@ -3,28 +3,22 @@
 import json
 import re
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from small_problems import problem
 from stock_lammps import scene
 
-from analysis.compare.difference import DeviationPlace, errors_of
+from analysis.compare.difference import errors_of
 from analysis.trajectory import joined
-from lammps_inputs import Kick, Material, library, strict_yaml
+from lammps_inputs import library, strict_yaml
 from workflow.cli import main
-from workflow.commands.run import _checked, _exit_code
+from workflow.commands.run import _exit_code
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import accurate_reference
-from workflow.prepare import pilot
-from workflow.prepare.pilot import better_timestep
 from workflow.prepare.step_choice import ChosenStep
 from workflow.runs import check as checking
 from workflow.runs.check import check, stride
-from workflow.runs.completed_run import Check
-from workflow.runs.exchange import accountant
-from workflow.runs.job import Job, UncertaintyRecord
 from workflow.runs.run import prepare_run, run, run_prepared
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.validate import validate
@@ -32,7 +26,6 @@ from workflow.verdicts.validate import validate
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
 SCENE = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
-STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 
 
 @pytest.fixture(scope="module")
@@ -48,32 +41,9 @@ def full(finished):
     return errors_of(finished.directory.blocks(), accurate_reference(problem, 1e-9).blocks())
 
 
-def test_run_json_holds_the_check(finished):
-    record = json.loads((finished.directory.path / "run.json").read_text(), parse_constant=pytest.fail)
-    held, made = record["check"], finished.check
-    assert (held["velocity"], held["arrival"], held["amplitude"]) == (made.velocity, made.arrival, made.amplitude)
-    where = made.where
-    assert held["where"] == {"chain": where.chain, "bead": where.bead, "time": where.time, "resonator": 0}
-    assert held["reference"]["velocity"] == made.reference.velocity
-    assert held["seconds"] == made.seconds > 0.0
-
-
-def test_without_check_it_is_left_out(tmp_path, capsys):
-    path = tmp_path / "scene.yaml"
-    path.write_text("name: quick\nbeads: 4\nkick: {velocity: 1}\nduration: 2\n")
-    assert main(["run", str(path), "-o", str(tmp_path / "out"), "--no-check"]) == 0
-    assert "check" not in json.loads((tmp_path / "out" / "run.json").read_text())
-    assert "error:" not in capsys.readouterr().out
-
-
-def test_no_errors_of_peaks_and_arrivals_are_stated_where_no_pulse_leads(tmp_path, capsys):
-    path = tmp_path / "driven.yaml"
-    text = "name: driven\nbeads: 6\ndrive: {displacement: 0.1, frequency: 0.2}\nduration: 12\n"
-    path.write_text(f"{text}timestep: 0.01\noutput: {{every: 0.1}}\n")
-    assert main(["run", str(path), "-o", str(tmp_path / "out")]) == 0
-    (line,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("largest errors")]
-    assert "peak" not in line
-    assert "arrivals" not in line
+def test_errors_of_peaks_and_arrivals_are_null_where_no_pulse_leads(tmp_path):
+    keys = {"name": "driven", "beads": 6, "drive": {"displacement": 0.1, "frequency": 0.2}, "duration": 12}
+    run(library.from_plain({**keys, "timestep": 0.01, "output": {"every": 0.1}}, "driven"), tmp_path / "out")
     held = json.loads((tmp_path / "out" / "run.json").read_text())["check"]
     assert (held["amplitude"], held["arrival"]) == (None, None)
 
@@ -130,7 +100,7 @@ def light_resonators(tmp_path_factory):
     return made, run(rough, tmp_path_factory.mktemp("check") / "light").directory
 
 
-def test_its_velocity_error_is_also_that_of_resonators(light_resonators):
+def test_its_velocity_error_and_a_validation_are_also_of_resonators(light_resonators):
     _, directory = light_resonators
     stated, exact = check(directory), joined(accurate_reference(directory.problem, 1e-9).blocks())
     (of_beads, of_resonators) = (
@@ -144,10 +114,7 @@ def test_its_velocity_error_is_also_that_of_resonators(light_resonators):
     assert of_resonators > 10.0 * of_beads
     assert stated.velocity == pytest.approx(of_resonators, abs=stated.reference.velocity + 1e-9)
     assert stated.where.words.startswith("resonator 1 at bead ")
-
-
-def test_a_validation_compares_resonators(light_resonators):
-    stated, found = check(light_resonators[1]), validate(light_resonators[1])
+    found = validate(directory)
     uncertainty = stated.reference.velocity + found.uncertainty.velocity
     assert found.deviations["velocity"].largest == pytest.approx(stated.velocity, abs=uncertainty)
     assert not found.passed
@@ -160,12 +127,9 @@ def test_a_time_step_for_an_accuracy_keeps_it_in_resonators(light_resonators, tm
     assert directory.job.check.velocity == pytest.approx(settings.measured_error, rel=0.1)
 
 
-@pytest.mark.parametrize("duration", [0.05, 0.35])
-def test_a_run_shorter_than_the_spacing_is_checked(duration, tmp_path):
-    assert 0.0 <= run(scene(beads=4, duration=duration), tmp_path / "run").check.velocity < 1e-4
-
-
-def test_a_run_of_some_beads_is_checked_and_recorded_without_nan(tmp_path):
+def test_short_runs_and_those_of_some_beads_are_checked_and_recorded_without_nan(tmp_path):
+    for duration in (0.05, 0.35):  # less than the spacing of frames that are compared
+        assert 0.0 <= run(scene(beads=4, duration=duration), tmp_path / f"{duration}").check.velocity < 1e-4
     found = run(scene(chains=2, beads=20, kappa=0.1, duration=20.0, recorded=(3, 11)), tmp_path / "run")
     assert 0.0 < found.check.velocity < 1e-3
     record = json.loads((tmp_path / "run" / "run.json").read_text(), parse_constant=pytest.fail)
@@ -197,14 +161,6 @@ def test_the_time_step_that_is_named_divides_the_output_and_keeps_what_is_said_o
     assert left <= 5e-4
 
 
-def test_no_time_step_is_named_where_none_keeps_it_or_a_shorter_run_stood_for_this_one(monkeypatch):
-    rough = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
-    monkeypatch.setattr(pilot.search, "__kwdefaults__", {"most_work": 1e3})
-    assert better_timestep(rough) == "leave `timestep` out, and a pilot run chooses a shorter one"
-    far = scene(beads=2, gap=4e8, duration=1e5, every=1e3)
-    assert "no time step is known to leave less, since rounding" in better_timestep(far)
-
-
 # --- what is said of it -----------------------------------------------------------------------------------------------
 
 
@@ -230,67 +186,3 @@ def test_an_error_is_said_to_be_too_large_as_far_as_it_is_certain_and_is_a_failu
     printed = capsys.readouterr().out
     assert says in printed
     assert bool(says) == bool(printed)
-
-
-@pytest.mark.parametrize("material", [None, STEEL], ids=["reduced", "SI"])
-def test_the_error_is_told_with_its_bead_and_time_in_the_scenes_units(material):
-    problem = scene(beads=10, kick=(Kick(velocity=0.5),), material=material).problem()
-    uncertainty = SimpleNamespace(velocity=8.5e-6, arrival=2.9e-5)
-    said = "\n".join(_checked(Check(1.6e-4, DeviationPlace(2, 7, 160.0), 5.7e-4, 6.3e-6, uncertainty, 0.0), problem))
-    second = " s" if material else ""
-    assert said == (
-        "largest errors against the reference integrator: velocities 1.6e-04 V (bead 7 of chain 2, "
-        f"t = {160.0 * problem.scale.time:.5g}{second}), "
-        "peak velocities 6.3e-06 V, arrivals 5.7e-04 T\n"
-        "the uncertainty of the reference integrator is 8.5e-06 V in velocities and 2.9e-05 T in arrivals"
-    )
-    unseen = list(_checked(Check(1.6e-4, None, np.nan, np.nan, uncertainty, 0.0), problem))
-    assert unseen == [
-        "largest errors against the reference integrator: velocities 1.6e-04 V",
-        "the uncertainty of the reference integrator is 8.5e-06 V in velocities",
-    ]
-
-
-# --- what it is measured against, with uncertainties made up, and the exchange that frames get ------------------------
-
-ASKED = ChosenStep(1e-4, 0.01, 10, 0.025, 5e-5, 5e-5, 1.0, limited=False, seconds=0.1)
-
-
-@pytest.mark.parametrize(
-    ("fall", "steps"),
-    [
-        (0.02, [4, 8]),  # sure to a third of what was asked for
-        (0.4, [4, 8, 16, 32]),
-        (0.6, [4, 8]),  # hardly surer
-    ],
-)
-def test_steps_are_doubled_until_the_reference_is_sure_or_hardly_gets_surer(fall, steps, monkeypatch):
-    """From 1e-3 at four steps a frame the uncertainty falls by a factor with each doubling."""
-
-    class Falling:
-        def __init__(self, _, *, steps_per_frame=None):
-            self.steps = steps_per_frame
-            self.uncertainty = SimpleNamespace(velocity=1e-3 * fall ** [4, 8, 16, 32].index(steps_per_frame))
-
-    monkeypatch.setattr(checking, "StepHalving", Falling)
-    assert [one.steps for one in checking.references_of(problem(), ASKED)] == steps
-
-
-def uncertainty_with(steps_per_frame):
-    return UncertaintyRecord(steps_per_frame=steps_per_frame, velocity=None, arrival=None, energy=None, momentum=None)
-
-
-@pytest.mark.parametrize(
-    ("taken", "steps"),
-    [(6, 6), (None, None), (10**12, 2**12 * engine.default_steps_per_frame(problem()))],
-)
-def test_frames_of_the_reference_are_followed_with_its_own_steps_as_far_as_it_would_take_them(taken, steps):
-    """A run of another engine has no uncertainty."""
-    uncertainty = None if taken is None else uncertainty_with(taken)
-    directory = SimpleNamespace(account=Job(uncertainty=uncertainty), problem=problem())
-    assert accountant(directory, problem()).steps_per_frame == steps
-
-
-def test_every_other_frame_of_the_reference_is_followed_with_twice_its_own_steps():
-    directory = SimpleNamespace(account=Job(uncertainty=uncertainty_with(6)), problem=problem())
-    assert accountant(directory, problem().coarser(2)).steps_per_frame == 12

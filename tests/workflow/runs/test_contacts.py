@@ -1,7 +1,5 @@
 """What is said of the contacts of SI runs."""
 
-import json
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,7 +12,6 @@ from lammps_inputs.units import hertz_constant
 from workflow.cli import main
 from workflow.runs.contacts import at_most, measure, of_overlap
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -81,31 +78,6 @@ def test_a_sphere_presses_on_a_wall_as_hard_as_hertz_says(kind, radius_share, st
     assert (bound.overlap, bound.force) >= (found.overlap, found.force)
 
 
-def test_a_run_and_its_analysis_say_and_keep_the_same(tmp_path, capsys):
-    path, out = written(steel(beads=8), tmp_path / "a.yaml"), tmp_path / "out"
-    assert main(["run", path, "-o", str(out)]) == 0
-    said = [line for line in capsys.readouterr().out.splitlines() if "contacts" in line]
-    assert main(["analyze", str(out), "--no-figures"]) == 0
-    assert said == [line for line in capsys.readouterr().out.splitlines() if "contacts" in line]
-    assert len(said) == 2
-    kept = json.loads((out / "run.json").read_text())["contacts"]
-    assert kept == json.loads((out / "analysis.json").read_text())["contacts"]
-    assert f"overlaps in contacts reach {kept['overlap']:.2g} of the radius (0.00476 m)" in said[0]
-    assert f"their forces {kept['force']:.2g} N" in said[0]
-    assert f"pressures {kept['pressure']:.2g} Pa" in said[0]
-    assert f"above {kept['yield_strength']:.2g} Pa, as they yield from a pressure of 1.6 times" in said[1]
-
-
-def test_without_a_material_there_is_no_trace(tmp_path, capsys):
-    path, out = written(scene(beads=8), tmp_path / "a.yaml"), tmp_path / "out"
-    assert main(["run", path, "-o", str(out)]) == 0
-    assert main(["analyze", str(out), "--no-figures"]) == 0
-    assert main(["deck", path, "-o", str(tmp_path / "deck")]) == 0
-    assert "contacts" not in capsys.readouterr().out
-    for name in ("run.json", "analysis.json"):
-        assert "contacts" not in json.loads((out / name).read_text())
-
-
 @pytest.mark.parametrize(("velocity", "warned"), [(120.0, False), (140.0, True)])
 def test_a_warning_is_printed_from_a_tenth_of_the_radius_on(velocity, warned, tmp_path, capsys):
     """The overlap of steel is 1.912 R (V / c)^0.8, c = 4912 m/s: a tenth at 123 m/s in two beads."""
@@ -125,13 +97,6 @@ def test_frames_that_do_not_show_the_contacts_leave_the_bound(output, tmp_path):
     assert found.lines()[0].startswith("overlaps in contacts are at most ")
 
 
-def test_a_deck_is_written_with_what_energy_allows_at_most(tmp_path, capsys):
-    assert main(["deck", written(steel(140.0, beads=8), tmp_path / "a.yaml"), "-o", str(tmp_path / "out")]) == 0
-    said = capsys.readouterr().out
-    assert "overlaps in contacts are at most 0.14 of the radius" in said
-    assert "overlaps may be too large for Hertz's law" in said
-
-
 def test_overlaps_of_a_radius_make_a_failed_run(tmp_path, capsys):
     """Springs so stiff that the bound from below leaves it open; without them it would be refused."""
     kicks = (Kick(velocity=2100.0), Kick(bead=2, velocity=-2100.0))
@@ -143,15 +108,3 @@ def test_overlaps_of_a_radius_make_a_failed_run(tmp_path, capsys):
     assert low * through.scale.length / STEEL.radius < solids.FLATTENED
     assert main(["run", written(through, tmp_path / "a.yaml"), "-o", str(tmp_path / "out"), "--no-check"]) == 1
     assert "so this is not a motion of such beads; are all numbers in SI units" in capsys.readouterr().out
-
-
-def test_a_bound_alone_is_no_proof_that_overlaps_are_impossible():
-    found = replace(at_most(steel()), overlap=1.5)
-    assert found.possible
-    assert not replace(found, measured=True).possible
-
-
-def test_a_record_that_cannot_be_read_does_not_hide_the_contacts(tmp_path):
-    result = run(steel(), tmp_path / "run", check=False)
-    (tmp_path / "run" / "run.json").write_text("{")
-    assert measure(RunDirectory(tmp_path / "run")) == measure(result.directory)

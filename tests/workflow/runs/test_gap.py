@@ -5,10 +5,8 @@ import pytest
 from stock_lammps import scene
 
 from analysis.sharing.impulses import measure
-from lammps_inputs import Material, file_names, find, physics
-from lammps_inputs.decks import scene_files
+from lammps_inputs import find, physics
 from lammps_inputs.limits.closing import gap_of_eq_5, theta
-from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.prepare.duration import with_duration
 from workflow.runs.run import run
@@ -17,8 +15,6 @@ pytestmark = pytest.mark.usefixtures("lammps_here")
 
 VERLET_ERROR = 1.5e-5
 """Of velocities at the default step after a way of 120 beads."""
-
-STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 
 
 def gapped(gap, **changes):
@@ -44,17 +40,6 @@ def test_lammps_tends_to_the_reference_at_a_gap_as_the_step_squared(gap, kappa, 
     assert errors[1] < (10.0 + gap) * VERLET_ERROR + (omega * 0.01) ** 2 / 24.0 * omega * duration
 
 
-def test_a_gap_that_is_absent_leaves_no_trace_in_the_deck():
-    absent, zero, there = (scene_files.render(scene(beads=5, **gap)) for gap in ({}, {"gap": 0.0}, {"gap": 0.5}))
-    assert absent == zero
-    assert not any("gap" in text for text in absent.values())
-    assert "gap 0.5" in there[file_names.DECK]
-    assert there[file_names.DATA] != absent[file_names.DATA]
-    # and one that is there changes titles, positions and how far neighbours are looked for, and no other line
-    lines = zip(absent[file_names.DECK].splitlines(), there[file_names.DECK].splitlines(), strict=True)
-    assert [a.split()[0] for a, b in lines if a != b] == ["#", "neighbor"]
-
-
 @pytest.mark.parametrize(("gap", "kappa"), [(2.874, 0.1), (30.0, 0.1), (5.0, 0.001), (3.0, None)])
 def test_a_run_until_a_bead_has_all_its_impulses_from_behind(gap, kappa):
     problem = with_duration(gapped(gap, kappa=kappa, beads=30, until_bead=12, duration=None)).problem()
@@ -74,27 +59,3 @@ def test_the_gapped_scenes_have_the_gap_of_eq_5(name, kappa, gap):
     assert case.gap == gap_of_eq_5(kappa)
     assert case.gap == pytest.approx(gap, abs=5e-4)
     assert theta(physics.kappa(case.system), physics.gap(case.system)) == pytest.approx(1.2854, abs=5e-5)
-
-
-def test_show_tells_theta_and_the_gap_of_eq_5(capsys):
-    assert main(["show", "two-chains-gapped"]) == 0
-    out = capsys.readouterr().out
-    assert "# theta = omega D / V = 1.2854, " in out
-    assert "#   eq. 5 has theta = 1.2854, which is a gap of 2.87424\n" in out
-
-
-def test_show_tells_the_gap_of_eq_5_in_the_units_of_the_scene(tmp_path, capsys):
-    unit = scene(material=STEEL).scale
-    path = tmp_path / "steel.yaml"
-    path.write_text(
-        "name: steel\nchains: 2\nbeads: 10\nkick: {velocity: 1.0}\nduration: 1e-3\n"
-        "material: {radius: 4.76e-3, density: 8000, youngs_modulus: 193e9, poisson_ratio: 0.3}\n"
-        f"coupling: {{stiffness: {0.1 * unit.stiffness!r}}}\ngap: 1e-5\n"
-    )
-    assert main(["show", str(path)]) == 0
-    assert f"which is a gap of {gap_of_eq_5(0.1) * unit.length:.6g} m\n" in capsys.readouterr().out
-
-
-def test_show_says_nothing_of_gaps_where_there_is_none(capsys):
-    assert main(["show", "two-chains"]) == 0
-    assert "theta" not in capsys.readouterr().out

@@ -9,16 +9,13 @@ import pytest
 from stock_lammps import scene
 
 from analysis.motion import overlaps
-from lammps_inputs import InputError, Material, find
-from workflow.engines.lammps import mpi
-from workflow.prepare.settings import settle
+from lammps_inputs import Material
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory, fingerprint
+from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
-two_ranks = pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
 
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 
@@ -35,9 +32,6 @@ def waves(directory):
     """waves.csv as (chain, bead) -> row of numbers."""
     with (directory / "waves.csv").open() as file:
         return {(int(row["chain"]), int(row["bead"])): row for row in csv.DictReader(file)}
-
-
-# --- the numbers of the paper's scenes -------------------------------------------------
 
 
 def test_two_chains_have_the_published_peaks(paper):
@@ -65,9 +59,6 @@ def test_a_steel_chain_has_the_speed_and_the_force_of_its_material(tmp_path):
     assert strongest.max() * steel.scale.force == pytest.approx(189, abs=0.5 + 189 * 0.006)
 
 
-# --- what a run leaves ------------------------------------------------------------------------------------------------
-
-
 def test_run_json_says_what_was_computed_with_what_and_how_it_ended(paper):
     record = RunDirectory(paper("two-chains")).job.plain()
     assert record["outcome"] == "done"
@@ -76,26 +67,9 @@ def test_run_json_says_what_was_computed_with_what_and_how_it_ended(paper):
     assert record["command"] == sys.argv
     assert record["python"] == ".".join(map(str, sys.version_info[:3]))
     assert record["versions"]["lammps"] == importlib.metadata.version("lammps")
-    assert f"LAMMPS ({_as_date(record['lammps'])}" in (paper("two-chains") / "log.lammps").read_text()
     assert 0.0 < record["engine_seconds"] < record["wall_seconds"]
     assert record["host"]
     assert record["started"].endswith("+00:00")
-
-
-def _as_date(version):
-    months = "Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec".split()  # noqa: SIM905
-    return f"{version % 100} {months[version // 100 % 100 - 1]} {version // 10000}"
-
-
-def test_run_json_has_the_fingerprint_of_the_files_that_lammps_was_given(paper):
-    directory = paper("two-chains")
-    files = {name: (directory / name).read_text() for name in ("scene.yaml", "in.chains", "data.chains")}
-    assert RunDirectory(directory).job.files_sha256 == fingerprint(files)
-    assert fingerprint({**files, "in.chains": files["in.chains"] + " "}) != fingerprint(files)
-
-
-def test_a_run_directory_holds_its_scene(paper):
-    assert RunDirectory(paper("two-chains")).scene == settle(find("two-chains"))[0].resolved()
 
 
 def test_a_run_has_every_frame_it_was_asked_for(tmp_path):
@@ -104,48 +78,15 @@ def test_a_run_has_every_frame_it_was_asked_for(tmp_path):
     np.testing.assert_array_equal(result.trajectory.time, 0.25 * np.arange(41))
 
 
-def test_a_trajectory_is_read_when_it_is_asked_for(tmp_path):
-    result = run(small(), tmp_path / "run", check=False)
-    (tmp_path / "run" / "chains.dump.bin").unlink()
-    with pytest.raises(InputError, match=r"holds no chains\.dump\.bin"):
-        _ = result.trajectory
-
-
 @pytest.mark.parametrize("bead", [1, 12, 40])
 def test_a_run_until_a_bead_ends_soon_after_its_peaks(bead, tmp_path):
     ended = small(beads=40, until_bead=bead, duration=None)
     result = run(ended, tmp_path / "run", check=False)
-    fastest = (
-        analyse(result.directory, figures=False).survey.waves.at(bead).time
-    )  # also of the last bead, which flies on
+    fastest = analyse(result.directory, figures=False).survey.waves.at(bead).time  # also of the last, which flies on
     assert len(fastest) == 2
     assert fastest.max() + 1.0 < result.trajectory.time[-1] < fastest.max() + 10.0
-
-
-# --- directories ------------------------------------------------------------------------------------------------------
 
 
 def test_a_directory_with_any_name_will_do(tmp_path):
     path = tmp_path / "a 'b' \"c\" ${x} $(1+1) #; é" / "d"
     assert run(small(), path, check=False).trajectory.frames == 101
-
-
-# --- ranks ------------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-@two_ranks
-def test_two_ranks_are_two_and_not_two_copies(tmp_path):
-    run(small(), tmp_path / "run", ranks=2, check=False)
-    assert "on 2 procs" in (tmp_path / "run" / "log.lammps").read_text()
-
-
-def test_progress_ends_with_the_last_step_and_the_bead_that_the_front_reached(tmp_path):
-    seen = []
-    result = run(small(beads=40), tmp_path / "run", check=False, progress=lambda *now: seen.append(now))
-    steps, beads = zip(*seen, strict=True)
-    assert list(steps) == sorted(steps)
-    assert steps[-1] == 1000
-    moving = np.flatnonzero((np.abs(result.trajectory.velocity[-1]) > 1e-3).any(axis=0))
-    assert list(beads) == sorted(beads)
-    assert beads[-1] == moving[-1] + 1

@@ -1,4 +1,4 @@
-"""Every state that a directory can be in has its name, and what to do next is said, without Slurm on this machine."""
+"""What a directory is, from its files alone; the golden text of `status` has every state."""
 
 import fcntl
 import json
@@ -6,26 +6,14 @@ import os
 from importlib import metadata
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
-from run_states import CASE, STEPS, aged, alps, with_deck, with_frames, with_record, with_restart
+from run_states import CASE, aged, alps, with_deck, with_frames, with_record, with_restart
 
 from lammps_inputs import file_names
 from lammps_inputs.decks import continuation
-from workflow.cli import main
-from workflow.engines.registry import engine_names
 from workflow.runs.files import RECORD, write_json
 from workflow.runs.status import MEANING, Queued, status, statuses
-from workflow.study_kit.directory import Study
-
-# --- of other commands than run ---------------------------------------------------------------------------------------
-
-
-def test_a_finished_study_is_told_to_be_done(tmp_path, capsys):
-    with Study("trade", "trade.csv has the points").opened(tmp_path / "c"):
-        pass
-    assert main(["status", str(tmp_path / "c")]) == 0
-    assert capsys.readouterr().out.startswith(f"{tmp_path / 'c'}: done: of `granchain trade`; trade.csv")
 
 
 def test_a_study_has_a_state_of_its_own_beside_the_runs_in_it_and_waits_in_the_queue(tmp_path):
@@ -37,47 +25,6 @@ def test_a_study_has_a_state_of_its_own_beside_the_runs_in_it_and_waits_in_the_q
     states = [(found.directory.name, found.state) for found in statuses([study], None)]
     assert states == [("fitted", "incomplete"), ("lammps", "done")]
     assert statuses([study], alps(Queued("9", True, study.resolve())))[0].state == "waiting"
-
-
-# --- no run, or not yet -----------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("make", [lambda _: None, lambda path: path.mkdir(), lambda path: path.write_text("")])
-def test_what_holds_no_run_is_called_none(make, tmp_path):
-    make(tmp_path / "x")
-    assert status(tmp_path / "x").state == "none"
-
-
-def test_a_deck_that_was_not_run_is_written_and_it_is_said_how_to_start_it(tmp_path):
-    found = status(with_deck(tmp_path / "x"))
-    assert (found.state, found.why) == ("written", "`lmp -in in.chains` there starts it")
-
-
-def test_a_run_killed_before_it_wrote_more_than_its_scene_is_incomplete(tmp_path):
-    directory = with_deck(tmp_path / "x")
-    (directory / file_names.DECK).unlink()
-    assert status(directory).state == "incomplete"
-
-
-# --- a deck run by hand -----------------------------------------------------------------------------------------------
-
-
-def test_a_deck_whose_last_frame_is_there_is_done(tmp_path):
-    assert status(aged(with_frames(with_deck(tmp_path / "x"), 100))).state == "done"
-
-
-def test_a_deck_whose_frames_end_early_is_incomplete_and_how_far_is_told(tmp_path):
-    found = status(aged(with_frames(with_deck(tmp_path / "x"), 30)))
-    assert (found.state, found.step, found.steps) == ("incomplete", 300, STEPS)
-    assert "starts it from the beginning" in found.why
-    (tmp_path / "x" / file_names.RESTART).write_text("")
-    assert "in.continue" in status(tmp_path / "x").why
-
-
-def test_a_deck_whose_frames_are_new_runs_and_how_new_they_are_is_told(tmp_path):
-    found = status(aged(with_frames(with_deck(tmp_path / "x"), 30), 60.0))
-    assert found.state == "running"
-    assert found.why.startswith("its last frame is 60 s old; if no lmp runs any more, `lmp -in in.chains` there")
 
 
 def test_the_parts_of_a_continued_run_count_together(tmp_path):
@@ -102,35 +49,6 @@ def test_a_directory_of_runs_stands_for_them_all(tmp_path):
     assert [one.directory.name for one in statuses([tmp_path], None)] == ["c", "a", "b"]
 
 
-# --- local runs -------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("record", "state", "step", "why"),
-    [
-        ({"outcome": "done"}, "done", STEPS, ""),
-        ({"outcome": "failed", "reason": "no \x1b[31mway"}, "failed", None, "no  [31mway"),
-        ({"outcome": "interrupted", "steps_done": 300}, "incomplete", 300, "interrupted; `granchain run --resume "),
-        *(
-            ({"outcome": "interrupted", "engine": other}, "incomplete", None, "interrupted; `granchain run --resume ")
-            for other in engine_names()[1:]
-        ),
-    ],
-)
-def test_a_local_run_that_ended_is_what_its_record_says(record, state, step, why, tmp_path):
-    found = status(with_record(with_deck(tmp_path / "x"), **record))
-    assert (found.state, found.step) == (state, step)
-    assert found.why.startswith(why)
-
-
-def test_it_is_said_from_which_step_a_run_goes_on(tmp_path):
-    directory = with_restart(with_deck(tmp_path / "x"), 400)
-    account = {"outcome": "interrupted", "steps_done": 430, "versions": {"lammps": metadata.version("lammps")}}
-    assert status(with_record(directory, **account)).why.endswith(" resumes at step 400")
-    older = {**account, "versions": {"lammps": "2020.1.1"}}
-    assert " starts again, for the restart is of another version" in status(with_record(directory, **older)).why
-
-
 @pytest.mark.parametrize("record", [{"outcome": "running"}, {"outcome": "interrupted", "steps_done": 200}])
 def test_no_run_resumes_at_a_later_step_than_the_one_that_it_has_reached(record, tmp_path):
     """A restart may fall between two frames."""
@@ -150,15 +68,6 @@ def test_a_local_run_under_way_holds_its_directory_and_a_killed_one_does_not(tmp
     found = status(directory)
     assert found.state == "incomplete"
     assert found.why.startswith("killed, or its disk was full; `granchain run --resume")
-
-
-def test_a_run_on_another_machine_runs_while_it_writes(tmp_path):
-    directory = with_frames(with_record(with_deck(tmp_path / "x"), outcome="running", host="elsewhere"), 20)
-    assert status(directory).state == "running"
-    assert status(aged(directory)).state == "incomplete"
-
-
-# --- anything ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -183,41 +92,18 @@ def assert_named(directory, file, content):
             path.write_bytes(before)
 
 
-@given(
-    st.sampled_from([RECORD, file_names.DECK, file_names.DUMP, file_names.SCENE, file_names.CASES]),
-    st.binary(max_size=300),
+KEYS = ["outcome", "steps", "steps_done", "host", "engine", "reason"]
+RECORDS = st.dictionaries(
+    st.sampled_from(KEYS),
+    st.none() | st.integers() | st.floats() | st.text() | st.sampled_from(["running", "failed", "done"]),
 )
-def test_whatever_stands_in_a_file_the_state_has_a_name_and_one_printable_line(any_directory, name, content):
-    assert_named(any_directory, name, content)
+FILES = [RECORD, file_names.DECK, file_names.DUMP, file_names.SCENE, file_names.CASES]
 
 
+@settings(max_examples=25)
 @given(
-    st.dictionaries(
-        st.sampled_from(["outcome", "steps", "steps_done", "host", "engine", "reason"]),
-        st.none() | st.integers() | st.floats() | st.text() | st.sampled_from(["running", "failed", "done"]),
-    )
+    st.tuples(st.sampled_from(FILES), st.binary(max_size=300))
+    | st.tuples(st.just(RECORD), RECORDS.map(lambda record: json.dumps(record).encode()))
 )
-def test_whatever_a_record_says_the_state_has_a_name(any_directory, record):
-    assert_named(any_directory, RECORD, json.dumps(record).encode())
-
-
-def test_the_command_prints_a_line_each_and_their_counts(tmp_path, capsys):
-    with_record(with_deck(tmp_path / "a"), outcome="done", steps_done=STEPS)
-    with_record(with_deck(tmp_path / "b"), outcome="failed", reason="no way")
-    assert main(["status", str(tmp_path / "a"), str(tmp_path / "b")]) == 1
-    assert capsys.readouterr().out.splitlines() == [
-        f"{tmp_path}/a: done, {STEPS} steps",
-        f"{tmp_path}/b: failed: no way",
-        "2 directories: 1 done, 1 failed",
-    ]
-    assert main(["status", str(tmp_path / "a")]) == 0
-    capsys.readouterr()
-    assert main(["status", str(tmp_path / "a"), str(tmp_path / "nowhere")]) == 2
-    assert capsys.readouterr() == ("", f"granchain: {tmp_path}/nowhere: no such directory\n")
-
-
-def test_the_command_prints_json(tmp_path, capsys):
-    with_record(with_deck(tmp_path / "a"), outcome="done", steps_done=STEPS)
-    assert main(["status", "--json", str(tmp_path / "a")]) == 0
-    (found,) = json.loads(capsys.readouterr().out)
-    assert (found["state"], found["step"]) == ("done", STEPS)
+def test_whatever_stands_in_a_file_the_state_has_a_name_and_one_printable_line(any_directory, file):
+    assert_named(any_directory, *file)

@@ -73,11 +73,3 @@ def test_what_one_rank_can_do_two_can_also_when_they_go_on_from_it(tmp_path):
     for other in (two, on):
         np.testing.assert_array_equal(other.velocity, one.velocity)
         np.testing.assert_array_equal(other.displacement, one.displacement)
-
-
-@pytest.mark.parametrize("beads", [(1, 56), (1, 34)])
-def test_a_window_that_would_leave_a_kick_behind_is_refused(beads):
-    kicks = tuple(Kick(bead=bead, velocity=velocity) for bead, velocity in zip(beads, (1.0, 0.001), strict=True))
-    with pytest.raises(ValueError, match="would be removed before the kick"):
-        scene(beads=300, kick=kicks, window=64)
-    assert scene(beads=300, kick=kicks, window=128).problem().rows.width == 128

@@ -14,8 +14,6 @@ from workflow.workers.pool import Pool, TaskResult
 
 SPECIMEN = Study("specimen", "specimen.csv is the table", tables=("specimen.csv",))
 
-STUDIES = pytest.mark.parametrize("study", [SPECIMEN, *declared_studies()], ids=lambda study: study.command)
-
 
 def parsed(text, **options):
     """A case whose value is what a JSON text holds; it fails where the text is none."""
@@ -53,34 +51,23 @@ def test_cases_that_use_all_cores_come_last():
     assert (set(seen[:2]), seen[2]) == ({2, 3}, 1)
 
 
-@STUDIES
-def test_status_says_what_a_directory_is_before_and_after_its_end(study, tmp_path):
-    with pytest.raises(KeyboardInterrupt), study.opened(tmp_path / "one"):
-        raise KeyboardInterrupt
-    cut = status(tmp_path / "one")
-    assert cut.state == "incomplete"
-    assert f"granchain {study.command}`; {study.resume}" in cut.why
-    with study.opened(tmp_path / "one"):
-        assert status(tmp_path / "one").state == "running"
-    assert status(tmp_path / "one").state == "done"
-    assert f"granchain {study.command}`; {study.result}" in status(tmp_path / "one").why
-
-
-@STUDIES
-def test_a_directory_in_use_or_with_a_file_of_somebody_elses_is_refused(study, tmp_path, monkeypatch):
+@pytest.mark.parametrize("study", [SPECIMEN, *declared_studies()], ids=lambda study: study.command)
+def test_a_directory_is_one_studys_own_and_says_what_it_is_before_and_after_its_end(study, tmp_path, monkeypatch):
     monkeypatch.setattr("workflow.runs.files._LOCK_SECONDS", 0.0)
-    with (
-        study.opened(tmp_path / "busy"),
-        pytest.raises(InputError, match="is under way"),
-        study.opened(tmp_path / "busy"),
-    ):
-        pass
-    (tmp_path / "foreign").mkdir()
+    path = tmp_path / "one"
+    with pytest.raises(KeyboardInterrupt), study.opened(path):
+        raise KeyboardInterrupt
+    assert status(path).state == "incomplete"
+    assert f"granchain {study.command}`; {study.resume}" in status(path).why
+    with study.opened(path):
+        assert status(path).state == "running"
+        with pytest.raises(InputError, match="is under way"), study.opened(path):
+            pass
+    assert status(path).state == "done"
+    assert f"granchain {study.command}`; {study.result}" in status(path).why
     mine = tmp_path / "foreign" / study.tables[0]
+    mine.parent.mkdir()
     mine.write_text("mine")
-    with pytest.raises(InputError, match=study.tables[0]), study.opened(tmp_path / "foreign"):
+    with pytest.raises(InputError, match=study.tables[0]), study.opened(mine.parent):
         pass
     assert mine.read_text() == "mine"
-    (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="cannot be written"), study.opened(tmp_path / "file" / "x"):
-        pass

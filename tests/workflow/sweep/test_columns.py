@@ -57,25 +57,6 @@ def test_every_column_holds_what_its_name_says_of_the_chain_that_was_hit_hardest
     assert {name: found[name] for name in EXPECTED} == EXPECTED
 
 
-IN = {
-    "V": ("amplitude", "amplitude_uncertainty", "error_velocity", "error_amplitude"),
-    "T": ("error_arrival",),
-    "s": ("arrival", "delay"),
-    "m": ("permanent",),
-    "m/s": ("peak_velocity",),
-    "beads/s": ("speed",),
-    "N": ("wall_force", "wall_force_chain"),
-}
-"""Units of columns of scenes in SI; all others have none."""
-
-
-def test_every_column_has_its_own_unit():
-    of = {name: unit for unit, names in IN.items() for name in names}
-    assert {name: quantity.unit(si=True) for name, quantity in QUANTITIES.items()} == {
-        name: of.get(name, "") for name in QUANTITIES
-    }
-
-
 @pytest.mark.parametrize(("other", "same"), [(2.0005, True), (2.005, False)])
 def test_bands_are_drawn_where_all_cases_have_them(other, same):
     rows = [{"case": "a"}, {"case": "b"}]
@@ -83,33 +64,6 @@ def test_bands_are_drawn_where_all_cases_have_them(other, same):
     table = SweepTable(["drive.frequency"], rows, False, bands=bands)
     assert (table.passed("drive.frequency") is not None) == same
     assert table.passed("gap") is None
-
-
-def test_columns_begin_with_case_fields_and_outcome_and_end_with_the_reason():
-    columns = SweepTable(["gap", "beads"], [], False).columns
-    assert (columns[:4], columns[4:-1], columns[-1]) == (
-        ["case", "gap", "beads", "outcome"],
-        list(QUANTITIES),
-        "reason",
-    )
-
-
-def test_rows_are_in_the_order_of_numbers_not_of_their_digits():
-    assert sorted([10, 9.5, "bead", 2, 100.0], key=collect._rank) == [2, 9.5, 10, 100.0, "bead"]
-
-
-def test_a_figure_is_of_cases_that_are_done_and_has_a_tick_for_each_other(tmp_path, monkeypatch):
-    drawn = []
-    monkeypatch.setattr(collect, "write_figure", lambda _path, _name, figure: drawn.append(figure) or ())
-    blank = dict.fromkeys(QUANTITIES)
-    rows = [
-        {**blank, "case": str(gap), "gap": gap, "outcome": outcome, "speed": 10.0 * gap, "reason": None}
-        for gap, outcome in ((1.0, "done"), (2.0, "failed"), (3.0, "done"), (4.0, "incomplete"))
-    ]
-    collect.plot(SweepTable(["gap"], rows, False), tmp_path, "speed", "gap", None)
-    line, foot = drawn[0].axes[0].get_lines()
-    assert [place for place in line.get_xydata().tolist() if place[1] == place[1]] == [[1.0, 10.0], [3.0, 30.0]]
-    assert foot.get_xdata().tolist() == [2.0, 4.0]
 
 
 @pytest.mark.parametrize(
@@ -121,100 +75,20 @@ def test_a_field_is_looked_up_where_its_path_leads(field, value):
     assert fields.look_up(scene, fields.parse(field)) == value
 
 
-# --- labels -----------------------------------------------------------------------------------------------------------
-
 SI = {"material": {"radius": 1e-3}}
 
-UNITS = {
-    "coupling.stiffness": "N/m",
-    "coupling.stiffness.from": "N/m",
-    "coupling.cubic": "N/m3",
-    "kick.velocity": "m/s",
-    "kick[2].velocity": "m/s",
-    "damping.contact": "kg/s",
-    "damping.beads": "kg/s",
-    "drive.frequency": "Hz",
-    "drive[2].displacement": "m",
-    "push.peak": "N",
-    "push.duration": "s",
-    "precompression.force": "N",
-    "gravity": "m/s2",
-    "gravity.acceleration": "m/s2",
-    "contact.stiffness": "N/m^p",
-    "foundation.cubic": "N/m3",
-    "walls.right.stiffness": "N/m^1.5",
-    "kinds.light.mass": "kg",
-    "gap": "m",
-    "duration": "s",
-    "output.every": "s",
-    "output.spectra.after": "s",
-    "material.density": "kg/m3",
-}
 
-
-def label(name, scene):
-    return fields.label(fields.parse(name), scene)
-
-
-@pytest.mark.parametrize(("name", "unit"), UNITS.items())
-def test_a_field_is_labelled_with_its_unit(name, unit):
-    assert label(name, SI).plain.endswith(f" ({unit})")
-    assert label(name, {}).plain.endswith(" (reduced)")
-
-
-@pytest.mark.parametrize(
-    ("name", "text"),
-    [
-        ("coupling.stiffness", "coupling stiffness k (N/m)"),
-        ("foundation.stiffness.from", "foundation stiffness, value before the ramp (N/m)"),
-        ("kick[2].velocity", "kick velocity, kick 2 (m/s)"),
-        ("kinds.light.mass", "mass, kind light (kg)"),
-        ("walls.right.stiffness", "right wall, stiffness (N/m^1.5)"),
-        ("gravity.acceleration", "acceleration of gravity g (m/s2)"),
-        ("chains", "number of chains N"),
-        ("timestep", "time step (s)"),
-    ],
-)
-def test_labels_of_fields_are_nouns_with_their_symbols(name, text):
-    assert label(name, SI).plain == text
-
-
-def test_no_label_of_a_field_shows_its_key_as_it_is_written_in_a_scene():
+def test_columns_and_fields_have_their_own_label_unit_and_bounds(golden):
+    """Of quantities in SI; of fields in SI and reduced, and between what they lie."""
+    lines = [f"{name}: {quantity.unit(si=True) or 'no unit'}" for name, quantity in QUANTITIES.items()]
     for name in fields.all_fields(Scene):
-        words = label(name.replace("kinds.", "kinds.light."), {}).words
-        assert not set(words) & set("._"), name
-
-
-def test_the_unit_of_a_wall_names_no_exponent_where_the_scene_may_have_others():
-    assert fields.unit(fields.parse("walls.right.stiffness"), SI | {"contact": {"exponent": 2.0}}) == "N/m^p"
-
-
-@pytest.mark.parametrize(
-    "name", ["beads", "chains", "kick.bead", "accuracy", "material.poisson_ratio", "contact.exponent", "walls.right"]
-)
-def test_a_number_without_a_unit_has_none(name):
-    assert label(name, SI).unit == ""
+        parts = fields.parse(name.replace("kinds.", "kinds.light."))
+        reduced, si = (fields.label(parts, scene) for scene in ({}, SI))
+        assert not set(reduced.words) & set("._"), name
+        lines.append(f"{name}: {si.plain}; {reduced.plain}; {fields.bounds(parts)}")
+    golden("labels", "\n".join(lines))
 
 
 @pytest.mark.parametrize(("law", "unit"), [("linear", "kg/s"), ("viscoelastic", "kg/(s m^0.5)"), ("restitution", "")])
 def test_the_unit_of_damped_contacts_is_that_of_their_law(law, unit):
     assert fields.unit(fields.parse("damping.contact"), SI | {"damping": {"law": law}}) == unit
-
-
-def test_degrees_are_degrees_in_all_units():
-    assert label("drive.phase", {}).plain == label("drive.phase", SI).plain == "drive phase (degrees)"
-
-
-@pytest.mark.parametrize(
-    ("name", "bounds"),
-    [
-        ("coupling.stiffness", (0.0, 1e30)),
-        ("coupling.stiffness.from", (0.0, 1e30)),
-        ("kick[2].velocity", (-1e30, 1e30)),
-        ("beads", (2.0, 1e8)),
-        ("accuracy", (1e-10, 0.1)),
-        ("output.every", (0.0, 1e30)),
-    ],
-)
-def test_the_bounds_of_a_field_are_those_of_its_type(name, bounds):
-    assert fields.bounds(fields.parse(name)) == bounds

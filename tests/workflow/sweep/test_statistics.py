@@ -5,12 +5,12 @@ import json
 
 import numpy as np
 import pytest
+from figure_table import table as table_of
 from sweeps import sweep, sweep_file
 
 import granchain
 from analysis.statistics import statistics
-from lammps_inputs import InputError, library
-from lammps_inputs.units import Label
+from lammps_inputs import library
 from workflow.cli import main
 from workflow.quantities.columns import QUANTITIES
 from workflow.quantities.evaluate import mass_of, of_scene
@@ -35,16 +35,8 @@ def table(fields, cases):
     return SweepTable(list(fields), rows, False)
 
 
-SEEDED = table(
-    ["disorder.mass", "disorder.seed"],
-    [
-        (0.1, 0, "done", 1.0),
-        (0.1, 1, "done", 3.0),
-        (0.1, 2, "failed", 9.0),
-        (0.2, 0, "done", None),
-        (0.2, 1, "done", 5.0),
-    ],
-)
+CASES = [(0.1, 0, "done", 1.0), (0.1, 1, "done", 3.0), (0.1, 2, "failed", 9.0)]
+SEEDED = table(["disorder.mass", "disorder.seed"], [*CASES, (0.2, 0, "done", None), (0.2, 1, "done", 5.0)])
 
 
 def test_groups_are_those_of_the_fields_that_are_no_seeds_and_cases_without_a_value_are_counted():
@@ -58,107 +50,34 @@ def test_groups_are_those_of_the_fields_that_are_no_seeds_and_cases_without_a_va
     assert grouping.default_fields(table(["gap"], [(0.1, "done", 1.0)])) == ()
 
 
-def test_tables_have_a_line_for_each_group_and_bin():
-    groups = grouping.grouped(SEEDED, "speed", ["disorder.mass"])
-    first, second = csv.DictReader(grouping.statistics_csv(SEEDED, groups).splitlines())
-    assert list(first) == ["quantity", "disorder.mass", *vars(groups[0].statistics)]
-    assert (first["quantity"], first["mean"], second["standard_error"]) == ("speed", "2.0", "")
-    bins = list(csv.DictReader(grouping.histogram_csv(SEEDED, groups).splitlines()))
-    counts = [(row["disorder.mass"], row["count"]) for row in bins]
-    assert counts == [("0.1", "1"), ("0.1", "0"), ("0.1", "1"), ("0.2", "1")]
-
-
-def test_the_figure_of_groups_shows_means_with_standard_errors_and_marks_groups_without_a_value():
+def test_figures_show_means_with_standard_errors_or_a_histogram_with_mean_and_median(golden):
     cases = [(mass, seed, "done", None if mass == 0.4 else mass * seed) for mass in (0.1, 0.2, 0.4) for seed in (1, 3)]
     seeded = table(["disorder.mass", "disorder.seed"], cases)
-    figure = grouping.drawn(seeded, grouping.grouped(seeded, "speed", ["disorder.mass"]))
-    axis = figure.axes[0]
-    line, (foot,) = axis.get_lines()[0], [line for line in axis.get_lines() if line.get_marker() == "|"]
-    np.testing.assert_allclose(line.get_xydata()[:2], [[0.1, 0.2], [0.2, 0.4]], rtol=ROUNDING)
-    (bars,) = axis.collections
-    ends = [segment[:, 1].tolist() for segment in bars.get_segments()]
-    np.testing.assert_allclose(ends, [[0.1, 0.3], [0.2, 0.6]], rtol=ROUNDING)  # s / sqrt(2) is half the difference
-    assert foot.get_xdata().tolist() == [0.4]
-    assert axis.get_ylabel().replace("\n", " ") == "mean of speed at the last clear bead $c$ (reduced)"
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["standard error of the mean", "no number"]
-    assert figure.get_suptitle() == "n = 0 to 2"
-
-
-def test_the_figure_of_one_group_is_its_histogram_with_mean_and_median():
     one = table(["disorder.seed"], [(seed, "done", value) for seed, value in enumerate([1.0, 1.0, 3.0, 7.0])])
-    figure = grouping.drawn(one, grouping.grouped(one, "speed", []))
-    axis = figure.axes[0]
-    counts, edges, _ = next(patch for patch in axis.patches if hasattr(patch, "get_data")).get_data()
-    assert (counts.tolist(), edges.tolist()) == ([2, 1, 0, 1], [1.0, 2.5, 4.0, 5.5, 7.0])
-    assert {line.get_label(): line.get_xdata()[0] for line in axis.get_lines()} == {"mean": 3.0, "median": 2.0}
-    assert axis.get_xlabel() == "speed at the last clear bead $c$ (reduced)"
+    for name, found, fields in (("groups", seeded, ["disorder.mass"]), ("histogram", one, [])):
+        golden(name, table_of(grouping.drawn(found, grouping.grouped(found, "speed", fields))))
 
 
-@pytest.mark.parametrize(
-    ("fields", "values", "says"),
-    [
-        (["gap", "beads", "chains"], [(0.1, 4, 2), (0.2, 4, 2)], "at most two fields"),
-        (["pattern"], [(["a"],), (["a", "b"],)], "pattern: is not a number in every case"),
-        (["gap", "beads"], [(0.1, beads) for beads in range(9)], "beads has 9 values; a figure has at most 8 lines"),
-    ],
-)
-def test_groups_that_cannot_be_drawn_are_refused_with_the_reason(fields, values, says):
-    undrawable = table(fields, [(*place, "done", 1.0) for place in values])
-    groups = grouping.grouped(undrawable, "speed", fields)
-    assert len(groups) == len(values)
-    with pytest.raises(InputError, match=says):
-        grouping.drawn(undrawable, groups)
-
-
-def test_a_quantity_at_a_bead_is_labelled_with_it():
-    found = SweepTable([], [], True, at_beads=("peak_velocity@10",))
-    assert found.columns[2] == "peak_velocity@10"
-    assert found.heading("peak_velocity@10") == "peak_velocity@10 (m/s)"
-    assert found.label("peak_velocity@10") == Label("peak velocity at bead 10", "v", "m/s")
-
-
-@pytest.fixture(scope="module")
-def seeds(tmp_path_factory):
-    """A sweep of a short disordered chain over two spreads and three seeds."""
-    folder = tmp_path_factory.mktemp("seeds")
-    vary = {"disorder__seed": {"from": 4, "to": 6}, "disorder__mass": [0.1, 0.2]}
-    assert sweep(sweep_file(folder, SHORT, engine="reference", **vary), folder / "s") == 0
-    return folder / "s"
-
-
-def test_the_command_writes_and_prints_statistics_of_quantities_also_at_a_bead(seeds, capsys):
-    words = ["--statistics", "peak_velocity@10,participation"]
-    assert main(["collect", str(seeds), *words, "--json"]) == 0
+def test_the_command_and_the_function_have_statistics_of_quantities_also_at_a_bead(tmp_path, capsys):
+    """Of a sweep of a short disordered chain over two spreads and three seeds."""
+    seeds, vary = tmp_path / "s", {"disorder__seed": {"from": 4, "to": 6}, "disorder__mass": [0.1, 0.2]}
+    assert sweep(sweep_file(tmp_path, SHORT, engine="reference", **vary), seeds) == 0
+    capsys.readouterr()
+    assert main(["collect", str(seeds), "--statistics", "peak_velocity@10,participation", "--json"]) == 0
     first, *others = json.loads(capsys.readouterr().out)
     assert len(others) == 3
     peaks = []
     for seed in (4, 5, 6):
-        waves = csv.DictReader(
-            (seeds / f"disorder.mass=0.1,disorder.seed={seed}" / "waves.csv").read_text().splitlines()
-        )
-        peaks += [float(row["peak_velocity"]) for row in waves if row["bead"] == "10"]
+        table = (seeds / f"disorder.mass=0.1,disorder.seed={seed}" / "waves.csv").read_text().splitlines()
+        peaks += [float(row["peak_velocity"]) for row in csv.DictReader(table) if row["bead"] == "10"]
     assert first["values"] == 3
     assert first["mean"] == pytest.approx(np.mean(peaks), rel=ROUNDING)
-    assert main(["collect", str(seeds), *words]) == 0
-    out = capsys.readouterr().out
-    assert "s: peak_velocity@10" in out
-    assert "peak_velocity-at-10-statistics.png" in out
     rows = list(csv.DictReader((seeds / "statistics.csv").read_text().splitlines()))
     assert [(row["quantity"], row["disorder.mass"], row["values"]) for row in rows] == [
         (name, mass, "3") for name in ("peak_velocity@10", "participation") for mass in ("0.1", "0.2")
     ]
-    found = granchain.collect(seeds, ["peak_velocity@10"])
-    assert [group.statistics.mean for group in granchain.statistics(found, "peak_velocity@10")] == [
-        float(row["mean"]) for row in rows[:2]
-    ]
-
-
-def test_a_bead_that_the_pulse_misses_is_undefined_and_no_quantity_defined_is_exit_code_1(seeds, capsys):
-    before = set(seeds.glob("*.png"))
-    assert main(["collect", str(seeds), "--statistics", "arrival@24", "--where", "disorder.mass=0.2", "--json"]) == 1
-    (group,) = json.loads(capsys.readouterr().out)
-    assert (group["values"], group["undefined"], group["mean"]) == (0, 3, None)
-    assert set(seeds.glob("*.png")) == before
+    groups = granchain.statistics(granchain.collect(seeds, ["peak_velocity@10"]), "peak_velocity@10")
+    assert [group.statistics.mean for group in groups] == [float(row["mean"]) for row in rows[:2]]
 
 
 def test_masses_of_disordered_chains_have_the_mean_and_deviation_of_the_random_numbers():

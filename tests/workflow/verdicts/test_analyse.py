@@ -4,10 +4,8 @@ import csv
 import json
 import math
 import os
-import re
 import shutil
 import struct
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,34 +13,18 @@ from refusals import refusal
 
 from analysis.shape.exact_wave import solitary_wave
 from analysis.sharing.verdict import EquipartitionState
-from lammps_inputs import Kick, Output, Scene, file_names, find, library
+from lammps_inputs import Kick, Output, Scene, file_names, find
 from lammps_inputs.ingredients.coupling import Coupling
-from lammps_inputs.units import make_scale
 from workflow.cli import main
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analysis_files import analyse
-from workflow.verdicts.analysis_report import waves_table
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
-COLUMNS = ["chain", "bead", "pulse", "arrival", "peak_velocity", "speed", "lag", "width", "residual"]
-COLUMNS += ["chain_energy", "wave_energy", "arrival_error", "peak_velocity_error"]
-COLUMNS += ["speed_error", "lag_error", "width_error", "residual_error"]
-COLUMNS += ["chain_energy_error", "wave_energy_error"]
-
 
 def scene(**changes):
-    options = {
-        "name": "test",
-        "chains": 2,
-        "beads": 120,
-        "coupling": Coupling(stiffness=0.1),
-        "kick": (Kick(velocity=1.0),),
-        "duration": 170.0,
-        "output": Output(every=0.1),
-    }
-    return Scene(**{**options, **changes})
+    options = {"chains": 2, "beads": 120, "coupling": Coupling(stiffness=0.1), "kick": (Kick(velocity=1.0),)}
+    return Scene(**{"name": "test", **options, "duration": 170.0, "output": Output(every=0.1), **changes})
 
 
 @pytest.fixture(scope="module")
@@ -60,22 +42,16 @@ def rows(path):
         return list(csv.DictReader(file))
 
 
-def test_waves_in_lammps_lie_on_the_exact_speed_law_once_equipartitioned(found):
-    waves = found.waves.where((found.waves.bead >= 100) & (found.waves.bead <= 115))
-    assert len(waves) == 32
-    assert np.max(np.abs(waves.speed / solitary_wave().speed_at(waves.peak_velocity) - 1.0)) < 1e-4
-
-
-def test_waves_in_lammps_have_the_exact_shape_once_equipartitioned(found):
-    late = (found.waves.bead >= 90) & (found.waves.bead <= 115)
-    assert np.max(found.survey.shape.residual[late]) < 1e-3
-    assert found.survey.shape.width[late] == pytest.approx(solitary_wave().width, abs=1e-3)
-
-
-def test_a_lammps_run_equipartitions_at_the_beads_of_the_table(found):
+def test_waves_in_lammps_equipartition_at_the_bead_of_the_table_and_are_then_the_exact_wave(found):
     shared = found.survey.shared
     assert (shared.agrees_from(0.1), shared.agrees_from(0.01)) == (33, 62)
     assert shared.final.value == pytest.approx(0.36524, abs=2e-5)
+    waves = found.waves.where((found.waves.bead >= 100) & (found.waves.bead <= 115))
+    assert len(waves) == 32
+    assert np.max(np.abs(waves.speed / solitary_wave().speed_at(waves.peak_velocity) - 1.0)) < 1e-4
+    late = (found.waves.bead >= 90) & (found.waves.bead <= 115)
+    assert np.max(found.survey.shape.residual[late]) < 1e-3
+    assert found.survey.shape.width[late] == pytest.approx(solitary_wave().width, abs=1e-3)
 
 
 def test_output_ten_times_coarser_changes_amplitudes_by_less_than_1e_4_and_arrivals_by_less_than_1e_3(found, tmp_path):
@@ -88,91 +64,6 @@ def test_output_ten_times_coarser_changes_amplitudes_by_less_than_1e_4_and_arriv
     assert coarse.survey.shared.agrees_from(0.01) == 62
 
 
-def test_an_analysis_reads_the_start_and_then_every_frame_twice_at_most(finished, monkeypatch):
-    seen, blocks = [], RunDirectory.blocks
-
-    def counted(self, stride=1):
-        for block in blocks(self, stride):
-            seen.append(block.frames)
-            yield block
-
-    monkeypatch.setattr(RunDirectory, "blocks", counted)
-    analyse(finished, figures=False)
-    assert sum(seen) <= seen[0] + 2 * (finished.problem.frames + 1)
-
-
-def test_waves_csv_of_an_si_scene_names_its_units(found):
-    scale = make_scale(3.6e-3, 1.4e10, 1.0, si=True)
-    survey = found.survey.replaced(problem=replace(found.problem, scale=scale))
-    units = {"arrival": "s", "peak_velocity": "m/s", "speed": "beads/s", "lag": "s"}
-    units |= {"chain_energy": "J", "wave_energy": "J", "arrival_error": "s", "peak_velocity_error": "m/s"}
-    units |= {"speed_error": "beads/s", "lag_error": "s"}
-    units |= {"chain_energy_error": "J", "wave_energy_error": "J"}
-    head, *lines = waves_table(survey).to_csv().splitlines()
-    assert head.split(",") == [f"{name} ({units[name]})" if name in units else name for name in COLUMNS]
-    assert float(lines[0].split(",")[3]) == found.waves.arrival[0] * scale.time
-
-
-def test_waves_csv_has_the_documented_columns_and_an_empty_cell_for_what_is_unknown(finished, found):
-    table = rows(finished.path)
-    assert list(table[0]) == COLUMNS
-    assert len(table) == len(found.waves)
-    at_60 = next(row for row in table if row["chain"] == "2" and row["bead"] == "60")
-    hit = next(row for row in table if row["chain"] == "1" and row["bead"] == "60")
-    assert float(at_60["lag"]) == pytest.approx(float(at_60["arrival"]) - float(hit["arrival"]), abs=1e-12)
-    assert float(at_60["width"]) == pytest.approx(1.579, abs=0.01)
-    assert 0.0 < float(at_60["wave_energy"]) < float(at_60["chain_energy"]) < 0.5
-    assert table[0]["chain_energy"] == ""
-
-
-def test_analysis_json_holds_the_verdict_and_the_pulses(finished, found):
-    report = json.loads((finished.path / "analysis.json").read_text())
-    shared = report["equipartition"]
-    assert shared["state"] == "equipartitioned and synchronised"
-    assert shared["amplitudes"] == {"0.1": 33, "0.01": 62, "0.001": 90}
-    assert shared["final"]["reduction"] == pytest.approx(0.6348, abs=1e-4)
-    assert shared["energy_share"]["exact"] == pytest.approx(0.571, abs=1e-3)
-    assert shared["energy_share"]["measured"] == pytest.approx(0.571, abs=1e-3)
-    assert report["tolerances"] == {"shape": 0.01, "speed": 0.01, "amplitude": 0.01}
-    assert len(report["pulses"]) == len(found.survey.pulses)
-    assert [pulse["leading"] for pulse in report["pulses"]][:3] == [True, True, False]
-    assert all(pulse["solitary"] for pulse in report["pulses"][:2])
-
-
-def test_quantities_in_the_files_are_in_the_units_of_the_scene(found, tmp_path):
-    kick = Kick(velocity=2.0)
-    fast = scene(
-        kick=(kick,),
-        coupling=Coupling(stiffness=0.1 * 2.0**0.4),
-        duration=170.0 * 2.0**-0.2,
-        output=Output(every=0.1 * 2.0**-0.2),
-    )
-    directory = run(fast, tmp_path / "fast").directory
-    analyse(directory, figures=False)
-    row = next(row for row in rows(directory.path) if row["chain"] == "2" and row["bead"] == "60")
-    wave = found.waves.at(60).of_chain(2)
-    assert float(row["peak_velocity"]) == pytest.approx(2.0 * wave.peak_velocity[0], rel=1e-5)
-    assert float(row["arrival"]) == pytest.approx(2.0**-0.2 * wave.arrival[0], rel=1e-5)
-    expected = 4.0 * 1.069323 * float(wave.peak_velocity[0]) ** 2
-    assert float(row["wave_energy"]) == pytest.approx(expected, rel=0.01)
-    pulse = json.loads((directory.path / "analysis.json").read_text())["pulses"][0]
-    assert pulse["energy"] == pytest.approx(1.069323 * pulse["peak_velocity"] ** 2, rel=1e-3)
-    assert pulse["momentum"] == pytest.approx(1.669971 * pulse["peak_velocity"], rel=1e-3)
-
-
-def test_analyze_prints_the_verdict_and_draws_four_figures(finished, capsys):
-    assert main(["analyze", str(finished.path)]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert any(
-        line.startswith("equipartitioned and synchronised: amplitudes agree to 1% from bead 62") for line in lines
-    )
-    assert sum("solitary at bead 115" in line for line in lines) == 2
-    assert len(lines) < 30
-    for name in ("spacetime", "response", "distance", "shape"):
-        assert (finished.path / f"{name}.png").read_bytes().startswith(b"\x89PNG")
-    assert list(finished.path.glob("*.pdf")) == []
-
-
 def copy_with(finished, tmp_path, number):
     """The run with one velocity of its last frame replaced."""
     copy = tmp_path / "copy"
@@ -183,7 +74,7 @@ def copy_with(finished, tmp_path, number):
     return copy
 
 
-@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf, 1e308])
+@pytest.mark.parametrize("number", [math.nan, 1e308])
 def test_frames_that_hold_what_is_no_number_are_refused_in_one_line(finished, tmp_path, capsys, number):
     said = refusal(["analyze", copy_with(finished, tmp_path, number)], capsys)
     assert "the velocity of bead 120 of chain 2 is" in said
@@ -198,7 +89,8 @@ def test_frames_that_are_not_those_of_the_run_are_told_of(finished, tmp_path, ca
 
 
 def test_an_uncertainty_covers_the_error_that_the_run_states_and_without_a_check_the_frames_alone(tmp_path, capsys):
-    coarse = run(scene(timestep=0.1, output=Output(every=0.1)), tmp_path / "coarse").directory
+    short = scene(beads=50, duration=72.0, timestep=0.1)
+    coarse = run(short, tmp_path / "coarse").directory
     assert main(["analyze", str(coarse.path), "--no-figures"]) == 0
     assert "was not checked" not in capsys.readouterr().out
     check, report = coarse.account.check, json.loads((coarse.path / "analysis.json").read_text())
@@ -207,84 +99,32 @@ def test_an_uncertainty_covers_the_error_that_the_run_states_and_without_a_check
     assert report["equipartition"]["final"]["uncertainty"] >= check.amplitude
     assert all(wave["peak_velocity_error"] >= check.amplitude for wave in report["waves"])
     assert all(wave["arrival_error"] >= check.arrival for wave in report["waves"])
-    alone = run(scene(timestep=0.1, output=Output(every=0.1)), tmp_path / "alone", check=False).directory
+    alone = run(short, tmp_path / "alone", check=False).directory
     assert main(["analyze", str(alone.path), "--no-figures"]) == 0
     assert "uncertainties cover the time between frames alone" in capsys.readouterr().out
     assert json.loads((alone.path / "analysis.json").read_text())["run_error"] is None
 
 
-def test_frames_far_apart_are_said_to_leave_peaks_less_sure(finished, tmp_path, capsys):
-    main(["analyze", str(finished.path), "--no-figures"])
-    assert "uncertainty by" not in capsys.readouterr().out
-    coarse = run(scene(output=Output(every=1.25)), tmp_path / "coarse", check=False).directory
-    assert main(["analyze", str(coarse.path), "--no-figures"]) == 0
-    assert (
-        "the uncertainty of peak velocities, by frames 1.25 apart and by the run, is up to" in capsys.readouterr().out
-    )
-
-
 def test_frames_so_far_apart_that_agreement_to_one_per_cent_cannot_be_told_get_no_verdict(tmp_path):
-    coarse = run(
-        scene(output=Output(every=2.0, beads=tuple(range(2, 120)))), tmp_path / "coarse", check=False
-    ).directory
-    told = analyse(coarse, figures=False).survey.verdict
+    seldom = scene(output=Output(every=2.0, beads=tuple(range(2, 120))))
+    told = analyse(run(seldom, tmp_path / "coarse", check=False).directory, figures=False).survey.verdict
     assert told.state is not EquipartitionState.EQUAL
 
 
-ONE = {"name": "one", "beads": 40, "kick": {"velocity": 1}, "duration": 50, "output": {"every": 0.2}}
-STRIKER = {"kick": None, "striker": {"mass": 60, "velocity": 1}}
-PRINTED = {
-    "disordered": ({"disorder": {"mass": 0.1, "seed": 2}}, "no asymptotic amplitude: beads, contacts", "amplitude <"),
-    "struck": (STRIKER, "no asymptotic amplitude: it has not settled; peak velocities are", "above the kick"),
-    "damped": ({"damping": {"contact": 0.01}}, "in chain 1 the leading wave is decaying at bead", "steady"),
-    "drag": ({"damping": {"beads": 0.01}}, "in chain 1 the leading wave is decaying at bead", "solitary at"),
-    "two beads": ({"output": {"every": 0.2, "beads": [10, 20]}}, "undefined: frames hold 2 of 40 beads", "drift"),
-    "no pulse": ({"foundation": {"stiffness": 0.1}}, "no pulse keeps its shape in this scene", "does not apply"),
-    "plain": ({}, "the asymptotic amplitude is 0.68", "range"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in ("damped", "drag"))) for name in PRINTED]
-)
-def test_of_a_single_chain_each_sentence_holds_and_none_is_on_sharing(name, tmp_path, capsys):
-    changes, holds, never = PRINTED[name]
-    plain = {key: value for key, value in {**ONE, **changes}.items() if value is not None}
-    run(library.from_plain(plain, "test"), tmp_path / "one", check=False)
-    assert main(["analyze", str(tmp_path / "one"), "--no-figures"]) == 0
-    said = capsys.readouterr().out
-    assert holds in said
-    assert never not in said
-    assert not re.search("equipartition|energy exchange|share|chain is coupled", said)
-
-
-IMPULSES_AGREE_FROM = 63
-"""Bead from which on the impulses of the two chains of `two-chains-gapped` differ by less than 1 %."""
-
-
-@pytest.fixture(scope="module")
-def gapped(tmp_path_factory):
-    return run(find("two-chains-gapped"), tmp_path_factory.mktemp("gapped") / "run", check=False).directory
-
-
 @pytest.mark.slow
-def test_gapped_chains_whose_impulses_become_equal_are_found_equal_and_in_step(gapped):
+def test_gapped_chains_whose_impulses_become_equal_are_found_equal_and_in_step_by_impulses_alone(tmp_path, capsys):
+    gapped = run(find("two-chains-gapped"), tmp_path / "run", check=False).directory
     found = analyse(gapped, figures=False).survey
     assert found.arrival == "impulse"
     assert found.verdict.state is EquipartitionState.EQUAL
-    # the impulses of the first contacts (gallery, `paper_gapped`) are not the peaks, but level out with them
-    assert abs(found.shared.agrees_from(0.01) - IMPULSES_AGREE_FROM) <= 3
+    # impulses differ by less than 1 % from bead 63 on; they are not the peaks, but level out with them
+    assert abs(found.shared.agrees_from(0.01) - 63) <= 3
     last = found.waves.at(115)
     assert np.ptp(last.arrival) < 2e-3
     assert last.speed == pytest.approx(115 / 779.0 * np.ones(2), rel=0.02)  # nearly the mean speed since the kick
     assert np.isnan(found.shape.residual[found.waves.bead == 115]).all()
-
-
-def test_arrivals_at_the_maximum_of_gapped_chains_get_no_verdict_and_no_numbers(gapped, capsys):
     assert main(["analyze", str(gapped.path), "--no-figures", "--arrival", "maximum"]) == 0
-    said = capsys.readouterr().out
-    assert "inconclusive: beads fly freely" in said
-    assert "`--arrival impulse` defines them" in said
+    assert "inconclusive: beads fly freely" in capsys.readouterr().out
     late = [row for row in rows(gapped.path) if row["bead"] == "115"]
     assert [(row["arrival"], row["speed"]) for row in late] == [("", "")] * 2
 

@@ -1,128 +1,20 @@
 """What analysis.json says of trains, the decay law and the final amplitude, and waves.csv: hand-made numbers."""
 
-import csv
-import io
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from small_problems import problem
 
-from analysis.quantity import plain
-from analysis.sharing.equipartition import AmplitudeRange, Estimate, Final
 from analysis.sharing.survey import Survey, survey
-from analysis.sharing.verdict import DecayFit, EquipartitionState, Verdict
-from analysis.tracking.leading_waves import Waves, lags, with_speeds
-from analysis.tracking.pulses import Pulse, Train
-from analysis.tracking.succession import Change
-from lammps_inputs.units import make_scale
+from analysis.tracking.leading_waves import with_speeds
 from workflow.engines.reference import engine
 from workflow.verdicts import analysis_report
-from workflow.verdicts.analysis_report import Equipartition, LeadingWave, waves_table
-
-
-def test_a_train_is_told_in_the_scenes_units():
-    scale = make_scale(2.0, 3.0, 0.1, si=True)
-    columns = ([10.0, 14.0, 15.0], [0.8, 0.6, 0.2], [0.1, 0.2, np.nan], [1.0, 2.0, 4.0])
-    seen = Train(2, 30, *map(np.array, columns))
-    told = plain(seen, scale)
-    assert (told["chain"], told["bead"], told["pulses"]) == (2, 30, 3)
-    assert told["arrival"] == pytest.approx([10.0 * scale.time, 14.0 * scale.time, 15.0 * scale.time])
-    assert told["peak_velocity"] == pytest.approx([0.08, 0.06, 0.02])
-    assert told["uncertainty"] == [pytest.approx(0.01), pytest.approx(0.02), None]
-    assert told["ratio"] == pytest.approx([1.0, 0.75, 0.25])
-    assert told["spacing"] == pytest.approx([4.0 * scale.time, 1.0 * scale.time])
-    assert told["ratio_error"] == [0.0, pytest.approx((0.2 + 0.75 * 0.1) / 0.7), None]
-    assert told["spacing_error"] == pytest.approx([3.0 * scale.time, 6.0 * scale.time])
-
-
-class Shared(SimpleNamespace):
-    """How two beads' waves are shared."""
-
-    def __len__(self):
-        return 2
-
-    @property
-    def followed(self):
-        return self
+from workflow.verdicts.analysis_report import LeadingWave
 
 
 def summary(waves, problem, chain, succession=()):
     """Leading wave of a chain, by waves and changes alone."""
     of_waves = Survey(problem, tuple, "maximum").replaced(passages=waves, waves=waves, succession=succession)
     return LeadingWave(of_waves, chain)
-
-
-def test_how_chains_share_the_pulse_is_told_key_by_key():
-    fitted = {"v0": 0.6, "n_star": 300.0, "v0_error": 0.01, "n_star_error": 2.0, "n_star_expected": 270.9}
-    law = {"first": 10, "last": 90, **fitted, "deviation": 0.01}
-    found = SimpleNamespace(
-        shared=Shared(
-            final=Final(0.34, 0.01),
-            at_last=lambda: (Estimate(0.2, 0.02), Estimate(0.1, 0.03)),
-            regular_beat=Estimate(12.0, 0.5),
-            agrees_from=lambda tolerance: round(1.0 / tolerance),
-            in_step_from=lambda tolerance: round(2.0 / tolerance),
-            wave_share=np.array([[0.5, 0.4], [0.5, 0.47]]),
-            amplitude=np.array([[0.5, 0.4], [0.5, 0.4]]),
-            amplitude_error=np.array([[0.05, 0.04], [0.005, 0.008]]),
-            bead=np.array([6, 7]),
-            span=AmplitudeRange(6, 7, 0.33, 0.35),
-        ),
-        decay=DecayFit(**law),
-        verdict=Verdict(EquipartitionState.BEATING, "they beat", expected=Estimate(62.0, 5.0)),
-        energies=SimpleNamespace(
-            wave=np.array([[0.5, 0.4], [0.5, 0.48]]),
-            wave_error=np.array([[1e-3, 2e-3], [2e-3, 3e-3]]),
-            chain=np.array([[0.6, 0.4], [0.52, 0.48]]),
-            chain_error=np.array([[6e-3, 4e-3], [5e-3, 4e-3]]),
-        ),
-        problem=problem(),
-    )
-    told = plain(Equipartition(found), found.problem.scale)
-    assert (told["verdict"], told["state"], told["since"]) == ("they beat", "beating", None)
-    assert told["expected"] == {"value": 62.0, "uncertainty": 5.0}
-    assert told["amplitudes"] == {"0.1": 10, "0.01": 100, "0.001": 1000}
-    assert told["arrivals"] == {"0.1": 20, "0.01": 200, "0.001": 2000}
-    assert told["mismatch"] == {"value": 0.2, "uncertainty": 0.02}
-    assert told["spread"] == {"value": 0.1, "uncertainty": 0.03}
-    assert told["final"] == pytest.approx({"value": 0.34, "uncertainty": 0.01, "reduction": 0.66})
-    assert told["range"] == {"first": 6, "last": 7, "least": 0.33, "largest": 0.35}
-    assert told["energy_share"].pop("chains") == [0.52, 0.48]
-    assert told["energy_share"].pop("chains_error") == [5e-3, 4e-3]
-    of_exact = 0.5 * (1.01**2 - 1.0) + 0.47 * (1.02**2 - 1.0)
-    shares = {"exact": 0.97, "exact_error": of_exact, "measured": 0.98, "measured_error": 5e-3}
-    assert told["energy_share"] == pytest.approx(shares)
-    assert told["decay_law"] == law
-
-
-@pytest.mark.parametrize("si", [False, True])
-def test_each_chain_is_told_at_its_last_bead_clear_of_the_end(si):
-    """Of 20 beads that is 15; each number is another, and each column has its own unit."""
-    scale = make_scale(2.0, 3.0, 0.1, si=si)
-    bead = np.array([14, 15, 16])
-    columns = (bead + offset / 10.0 for offset in range(6))
-    waves = Waves(np.full(3, 2), bead, np.full(3, 4), *columns, time=bead)
-    succession = tuple(Change(chain, last, last + 1, 0.5, 0.6) for chain, last in ((1, 3), (2, 5), (2, 9)))
-    told = plain(summary(waves, problem(beads=20, scale=scale), 2, succession), scale)
-    assert told.pop("ended") == [5, 9]
-    assert told == pytest.approx(
-        {
-            "chain": 2,
-            "beads_reached": 3,
-            "bead": 15,
-            "arrival": 15.0 * scale.time,
-            "peak_velocity": 15.1 * scale.velocity,
-            "speed": 15.2 / scale.time,
-            "peak_velocity_reduced": 15.1,
-            "arrival_reduced": 15.0,
-            "arrival_error": 15.3 * scale.time,
-            "peak_velocity_error": 15.4 * scale.velocity,
-            "speed_error": 15.5 / scale.time,
-        }
-    )
-    nothing = dict.fromkeys(told) | {"chain": 1, "beads_reached": 0, "ended": []}
-    assert plain(summary(waves, problem(beads=20), 1), scale) == nothing
 
 
 @pytest.mark.parametrize(("first", "bead"), [(4, 6), (7, 7), (2, 6)])
@@ -147,73 +39,3 @@ def test_amplitudes_of_a_train_are_those_that_its_pulses_have_far_from_the_ends(
     seen = analysis_report.train(three)
     assert seen.peak_velocity == pytest.approx([0.92391, 0.65773, 0.32287], abs=1e-5)
     assert np.all(seen.uncertainty < 1e-5)
-
-
-def test_pulses_of_a_train_are_solitary_where_they_are_measured(three):
-    assert [character.solitary for character in three.characters] == [True] * 3
-    solitary = sorted(character.peak_velocity for character in three.characters)
-    assert sorted(analysis_report.train(three).peak_velocity) == pytest.approx(solitary, abs=1e-5)
-
-
-@pytest.mark.parametrize(("amplitude", "count"), [((0.5, 0.5), 2), ((0.5, 0.6), 1), ((0.6, 0.5), 0)])
-def test_a_train_ends_before_the_first_pulse_that_is_not_steady(amplitude, count):
-    """Ten beads apart; an amplitude grows from 0.5 to what is given over 80 beads."""
-    bead = np.arange(2, 81)
-
-    def pulse(late, last):
-        return Pulse(
-            1, 1, bead, bead + late, 0.5 + (last - 0.5) * bead / 80.0, np.ones(len(bead)), *np.zeros((3, len(bead)))
-        )
-
-    found = SimpleNamespace(
-        problem=problem(chains=1, beads=80),
-        shared=SimpleNamespace(kicked=0),
-        direction=1,
-        pulses=tuple(pulse(10.0 * k, last) for k, last in enumerate(amplitude)),
-        clear=(np.ones(len(bead), dtype=bool),) * 2,
-    )
-    seen = analysis_report.train(found)
-    assert (0 if seen is None else len(seen)) == count
-
-
-@pytest.mark.parametrize("direction", [1, -1])
-def test_each_wave_has_its_own_lag_and_energies(direction):
-    """Beads 2 and 3 from the end that was hit; chain 2 was hit, and chain 1 is later by 0.5 and by 0.25."""
-    what = problem(beads=10, kicks=((2, 1 if direction > 0 else 10, float(direction)),))
-    along = np.array([2, 3])
-    bead = along if direction > 0 else 11 - along[::-1]
-    passed = np.array([3.0, 4.0])[::direction]
-    arrival = np.concatenate([passed + np.array([0.5, 0.25])[::direction], passed])
-    chains, errors = np.repeat([1, 2], 2), np.array([1e-3, 2e-3, 4e-3, 8e-3])
-    waves = with_speeds(chains, np.tile(bead, 2), arrival, np.full(4, 0.6), arrival_error=errors, direction=direction)
-    found = SimpleNamespace(
-        problem=what,
-        waves=waves,
-        lags=lags(waves, 2),
-        direction=direction,
-        shape=SimpleNamespace(
-            width=np.full(4, 2.3), residual=np.zeros(4), width_error=np.zeros(4), residual_error=np.zeros(4)
-        ),
-        shared=SimpleNamespace(bead=along, kicked=1, energy=0.5),
-        energies=SimpleNamespace(
-            place=np.array([0, 1]),
-            chain=np.array([[0.7, 0.3], [0.6, 0.4]]),  # [bead, chain]
-            wave=np.array([[0.65, 0.25], [0.55, 0.35]]),
-            chain_error=np.array([[7e-3, 3e-3], [6e-3, 4e-3]]),
-            wave_error=np.array([[6.5e-3, 2.5e-3], [5.5e-3, 3.5e-3]]),
-        ),
-    )
-    lines = {
-        (int(one["chain"]), int(one["bead"])): one for one in csv.DictReader(io.StringIO(waves_table(found).to_csv()))
-    }
-    for place, at in enumerate((2, 3) if direction > 0 else (9, 8)):
-        for chain, behind in ((1, (0.5, 0.25)[place]), (2, 0.0)):
-            one = lines[chain, at]
-            assert float(one["lag"]) == pytest.approx(behind)
-            both = errors[:2][bead == at] + errors[2:][bead == at]
-            assert float(one["lag_error"]) == pytest.approx(both[0] if chain == 1 else 0.0)
-            assert float(one["speed"]) > 0.0
-            assert float(one["chain_energy"]) == pytest.approx(0.5 * found.energies.chain[place, chain - 1])
-            assert float(one["wave_energy"]) == pytest.approx(0.5 * found.energies.wave[place, chain - 1])
-            for name in ("chain_energy", "wave_energy"):
-                assert float(one[f"{name}_error"]) == pytest.approx(0.01 * float(one[name]))

@@ -16,11 +16,11 @@ from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts.validate import FIGURE, REPORT, TOLERANCES, validate
+from workflow.verdicts.validate import REPORT, validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
-SCENE = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
+SCENE = scene(chains=2, beads=24, kappa=0.1, duration=40.0)
 
 
 @pytest.fixture(scope="module")
@@ -34,12 +34,8 @@ def validated(good, tmp_path_factory):
     """What is found of it."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("workflow.verdicts.validate.write_figure", lambda *_: ())
-        return validate(copied(good, tmp_path_factory.mktemp("validated") / "run"))
-
-
-def copied(directory, path):
-    shutil.copytree(directory.path, path)
-    return RunDirectory(path)
+        copy = shutil.copytree(good.path, tmp_path_factory.mktemp("validated") / "run")
+        return validate(RunDirectory(copy))
 
 
 def frames_written(directory, frames):
@@ -53,12 +49,6 @@ def frames_written(directory, frames):
 
 
 # --- good runs --------------------------------------------------------------------------------------------------------
-
-
-def test_a_run_that_came_back_from_a_cluster_passes(good, tmp_path, capsys):
-    assert not (good.path / "run.json").exists()
-    assert main(["validate", str(copied(good, tmp_path / "run").path)]) == 0
-    assert capsys.readouterr().out.splitlines()[-2] == "the validation passed"
 
 
 def test_a_run_of_the_reference_passes_without_any_difference(tmp_path):
@@ -80,64 +70,50 @@ def test_a_run_of_some_beads_passes_without_energy_and_momentum(gap, tmp_path):
     assert list(found.deviations) == ["velocity", "displacement", "amplitude", "arrival"]
 
 
-def test_numbers_far_from_zero_are_not_taken_for_rounded(tmp_path):
-    far = scene(beads=4000, duration=20.0, kick=(Kick(bead=3990, velocity=1.0),))
-    assert validate(wrong_runs.deck_run(far, tmp_path / "run")).causes == ()
-
-
 def test_motion_in_round_numbers_is_not_taken_for_rounding(tmp_path):
     free = scene(beads=40, gap=50.0, duration=40.0, kick=(Kick(bead=2, velocity=1.0),))
     assert validate(wrong_runs.deck_run(free, tmp_path / "run")).passed
 
 
-@pytest.mark.usefixtures("drawn")
-def test_a_scene_is_run_and_validated(tmp_path, capsys):
-    path = tmp_path / "scene.yaml"
-    path.write_text("name: quick\nbeads: 12\nkick: {velocity: 1}\nuntil_bead: 9\n")
-    assert main(["validate", str(path), "-o", str(tmp_path / "out")]) == 0
-    assert capsys.readouterr().out.splitlines()[-2] == "the validation passed"
-    assert {REPORT, f"{FIGURE}.png", file_names.DUMP, "run.json"} <= {
-        file.name for file in (tmp_path / "out").iterdir()
-    }
-
-
 # --- wrong runs, each named -------------------------------------------------------------------------------------------
 
-WRONG = {
-    "cubic coupling": (
-        wrong_runs.CUBIC,
-        "the exponent of the coupling is larger by",
-    ),
-    "kappa 1% more": (wrong_runs.ONE_PERCENT_MORE, "the coupling is 1.01 (± "),
-    "a missing spring": (wrong_runs.without_spring(8), "the coupling between chains 1 and 2 in row 8 is missing"),
-    "no springs": (
-        wrong_runs.replaced(file_names.DECK, "kappa index 0.1\n", "kappa index 0\n"),
-        "the coupling is missing",
-    ),
-    "float32 positions": (wrong_runs.in_single_precision, "positions have only single precision"),
-    "a %g dump": (wrong_runs.printed_with_g, "velocities have only 6 digits"),
-    "half-step velocities": (wrong_runs.at_half_steps, "time steps before the positions (half-step velocities?)"),
-    "not a number": (
+SLOW = pytest.mark.slow
+DECKS = (
+    pytest.param(wrong_runs.CUBIC, "the exponent of the coupling is larger by", id="cubic coupling"),
+    pytest.param(wrong_runs.ONE_PERCENT_MORE, "the coupling is 1.01 (± ", id="kappa 1% more", marks=SLOW),
+    pytest.param(wrong_runs.without_spring(8), "between chains 1 and 2 in row 8 is missing", id="a spring", marks=SLOW),
+)
+DUMPS = (
+    pytest.param(wrong_runs.in_single_precision, "positions have only single precision", id="float32", marks=SLOW),
+    pytest.param(wrong_runs.printed_with_g, "velocities have only 6 digits", id="a %g dump", marks=SLOW),
+    pytest.param(wrong_runs.at_half_steps, "before the positions (half-step velocities?)", id="half steps"),
+    pytest.param(
         lambda run: (run.displacement, np.where(run.time[:, None, None] > 30.05, np.nan, run.velocity)),
         "from t = 30.1 on",
+        id="not a number",
     ),
-}
+)
 
 
-@pytest.mark.parametrize("case", WRONG)
-def test_a_wrong_run_is_caught_and_named(case, good, tmp_path, capsys):
-    change, _ = WRONG[case]
-    if case in ("float32 positions", "a %g dump", "half-step velocities", "not a number"):
-        directory = wrong_runs.rewritten(good, tmp_path / "run", change)
-    else:
-        directory = wrong_runs.deck_run(SCENE, tmp_path / "run", change)
+def is_named(directory, says, capsys):
+    """A validation fails, and its output and report name the cause."""
     assert main(["validate", str(directory.path)]) == 1
     said = capsys.readouterr().out
     assert "NOT passed" in said
-    assert WRONG[case][1] in said
+    assert says in said
     report = json.loads((directory.path / REPORT).read_text())
     assert report["passed"] is False
-    assert any(WRONG[case][1] in cause for cause in report["causes"])
+    assert any(says in cause for cause in report["causes"])
+
+
+@pytest.mark.parametrize(("edit", "says"), DECKS)
+def test_a_wrong_deck_is_caught_and_named(edit, says, tmp_path, capsys):
+    is_named(wrong_runs.deck_run(SCENE, tmp_path / "run", edit), says, capsys)
+
+
+@pytest.mark.parametrize(("change", "says"), DUMPS)
+def test_a_wrong_dump_is_caught_and_named(change, says, good, tmp_path, capsys):
+    is_named(wrong_runs.rewritten(good, tmp_path / "run", change), says, capsys)
 
 
 def test_the_first_wrong_bead_and_time_are_named(good, tmp_path, capsys):
@@ -164,18 +140,14 @@ def test_every_cause_is_named_in_the_units_of_the_scene():
 
 
 def test_an_interrupted_run_is_said_incomplete_and_does_not_pass(good, tmp_path, capsys):
-    part = frames_written(copied(good, tmp_path / "part"), 200)
+    part = frames_written(RunDirectory(shutil.copytree(good.path, tmp_path / "part")), 200)
     with (part.path / file_names.DUMP).open("ab") as file:
         file.write((good.path / file_names.DUMP).read_bytes()[:1000])  # killed within a frame
     assert main(["validate", str(part.path)]) == 1
-    out = capsys.readouterr()
-    assert "the run is incomplete: 200 of 401 frames" in out.out.splitlines()
-    assert out.out.splitlines()[-2] == "the validation has NOT passed"
-    assert out.err == ""
+    assert "the run is incomplete: 200 of 401 frames" in capsys.readouterr().out.splitlines()
     report = json.loads((part.path / REPORT).read_text())
     assert (report["complete"], report["frames"]) == (False, [200, 401])
     assert not any(quantity["exceeded"] for quantity in report["quantities"].values())
-    assert report["reference"]["velocity"] < 1e-4
 
 
 # --- tolerances and the report ----------------------------------------------------------------------------------------
@@ -193,39 +165,7 @@ def test_a_run_may_be_off_by_a_few_times_what_the_default_step_leaves(quantity, 
         assert replace(found, deviations=deviations).exceeded(quantity) is not passes
 
 
-def test_a_tolerance_of_nothing_is_exceeded_and_only_that(good, tmp_path, capsys):
-    directory = copied(good, tmp_path / "run")
-    assert main(["validate", str(directory.path), "--tolerance", "arrival=0", "--tolerance", "velocity=inf"]) == 1
-    report = json.loads((directory.path / REPORT).read_text())
-    assert [name for name, found in report["quantities"].items() if found["exceeded"]] == ["arrival"]
-    assert "EXCEEDED" in capsys.readouterr().out
-
-
-def test_the_report_holds_every_quantity_with_its_tolerance_and_places(good, tmp_path):
-    directory = copied(good, tmp_path / "run")
-    found = validate(directory, {"velocity": 1e-9})
-    report = json.loads((directory.path / REPORT).read_text(), parse_constant=pytest.fail)
-    assert report == json.loads(json.dumps(report, allow_nan=False))
-    assert set(report) == {
-        *("passed", "against", "complete", "frames", "compared", "quantities", "causes", "remarks", "reference"),
-        *("interpolation_error", "runs"),
-    }
-    assert report["runs"] is None
-    assert {name: quantity["tolerance"] for name, quantity in report["quantities"].items()} == {
-        # forces of measured traces only, impulses and shares of rigid beads only
-        **{name: value for name, value in TOLERANCES.items() if name not in ("force", "impulse", "share")},
-        "velocity": 1e-9,
-    }
-    velocity = report["quantities"]["velocity"]
-    assert velocity["largest"] == found.deviations["velocity"].largest
-    assert velocity["first"]["time"] <= velocity["where"]["time"]
-    assert report["quantities"]["energy"]["rms"] is None
-    assert report["reference"]["velocity"] == found.uncertainty.velocity
-
-
 def test_the_velocity_error_is_that_of_an_independent_comparison(good, validated):
-    from workflow.engines.reference import engine
-
     found = validated
     own, fine = good.trajectory, engine.run(good.problem, steps_per_frame=64)
     error = np.abs(own.velocity - fine.velocity)
@@ -233,11 +173,3 @@ def test_the_velocity_error_is_that_of_an_independent_comparison(good, validated
     assert found.deviations["velocity"].rms == pytest.approx(
         np.sqrt(np.mean(error**2)), abs=2.0 * found.uncertainty.velocity
     )
-
-
-@pytest.mark.usefixtures("drawn")
-def test_overwriting_a_run_takes_its_validation_away(tmp_path):
-    directory = run(scene(chains=2, beads=8, kappa=0.1, duration=10.0), tmp_path / "run", check=False).directory
-    validate(directory)
-    run(scene(beads=4, duration=1.0), directory.path, overwrite=True, check=False)
-    assert not {REPORT, f"{FIGURE}.png"} & {file.name for file in directory.path.iterdir()}

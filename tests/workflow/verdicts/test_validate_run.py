@@ -6,14 +6,10 @@ import shutil
 
 import numpy as np
 import pytest
-import wrong_runs
-from refusals import refusal
 from stock_lammps import scene
 
-import granchain
-from lammps_inputs import Output, file_names, strict_yaml
+from lammps_inputs import Output, file_names
 from workflow.cli import main
-from workflow.runs.files import RECORD
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory, results
 from workflow.verdicts.validate import AGAINST
@@ -57,15 +53,10 @@ def printed(words, capsys):
     return code, capsys.readouterr().out.splitlines()
 
 
-# --- bitwise ----------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "engine"),
     [
-        ({}, "lammps"),
-        ({"timestep": None, "accuracy": 1e-3}, "lammps"),
         ({"chains": 2, "beads": 100, "duration": 100.0, "window": 64}, "lammps"),
         ({"chains": 2, "scheme": "suzuki4"}, "lammps"),
         ({}, "reference"),
@@ -107,18 +98,13 @@ def test_the_frames_count_and_not_what_run_json_says_of_them(first, tmp_path, ca
     assert any("velocity  2.50e-01" in line and "bead 12 of chain 3, t = 20" in line for line in lines)
 
 
-@pytest.mark.parametrize("side", [0, 1])
-def test_a_run_that_is_cut_short_is_incomplete_also_where_its_frames_are_the_same(side, first, tmp_path, capsys):
+def test_a_run_that_is_cut_short_is_incomplete_also_where_its_frames_are_the_same(first, tmp_path, capsys):
     copy = copied(first, tmp_path / "part")
     os.truncate(copy.dump, copy.dump.stat().st_size // 41 * 40)
-    pair = [copy.path, first.path] if side == 0 else [copied(first, tmp_path / "whole").path, copy.path]
-    code, lines = printed(["validate", pair[0], "--against", pair[1]], capsys)
+    code, lines = printed(["validate", copy.path, "--against", first.path], capsys)
     assert code == 1
     assert "the run is incomplete: 40 of 41 frames" in lines
-    assert any(line.startswith(f"the run is bitwise the same as {pair[1]} (40 frames, ") for line in lines)
-
-
-# --- how far apart ----------------------------------------------------------------------------------------------------
+    assert any(line.startswith(f"the run is bitwise the same as {first.path} (40 frames, ") for line in lines)
 
 
 def test_two_time_steps_are_compared_quantity_by_quantity_with_time_and_settings(first, finer, tmp_path, capsys):
@@ -132,20 +118,9 @@ def test_two_time_steps_are_compared_quantity_by_quantity_with_time_and_settings
     (row,) = (line.split() for line in lines if line.split()[:1] == ["velocity"])
     assert row[1] == f"{apart.max():.2e}"
     differ = {" ".join(words[:-2]): words[-2:] for words in map(str.split, lines) if len(words) > 2}
-    assert differ["time step"] == ["0.005", "0.01"]
+    assert (differ["time step"], differ["ranks"]) == (["0.005", "0.01"], ["2", "1"])
     assert differ["lammps"] == ["2024.8.29", first.job.versions["lammps"]]
-    assert differ["ranks"] == ["2", "1"]
-    assert "input files" in differ
     assert "numpy" not in differ
-    assert "the validation passed" in lines
-
-
-def test_a_tolerance_that_is_exceeded_is_exit_code_1(first, finer, tmp_path, capsys):
-    copy = copied(finer, tmp_path / "finer")
-    words = ["validate", copy.path, "--against", first.path, "--tolerance", "velocity=1e-9"]
-    code, lines = printed(words, capsys)
-    assert code == 1
-    assert "the validation has NOT passed" in lines
 
 
 def test_another_engine_is_compared(first, tmp_path):
@@ -182,54 +157,3 @@ def test_a_window_is_compared_with_all_rows_near_the_front(tmp_path):
         assert validation.runs.identical
         assert validation.passed
         assert any("the front half of the window" in remark for remark in validation.remarks)
-
-
-def test_runs_without_run_json_are_compared_but_for_their_versions(first, tmp_path, capsys):
-    copy = copied(first, tmp_path / "copy")
-    (copy.path / RECORD).unlink()
-    code, lines = printed(["validate", copy.path, "--against", first.path], capsys)
-    assert code == 0
-    assert f"note: {copy.path}: has no run.json that names versions, so that these are not compared" in lines
-    assert not any(line.startswith("settings and versions") for line in lines)
-
-
-def test_from_python_a_run_is_compared_with_a_run_or_its_directory(first, finer):
-    by_path = granchain.validate(finer, against=first.path)
-    assert by_path.deviations == granchain.validate(str(finer.path), against=first).deviations
-    assert by_path.runs is not None
-    assert not by_path.runs.identical
-
-
-# --- other scenes -----------------------------------------------------------------------------------------------------
-
-
-def test_a_scene_is_refused_before_it_is_run_and_run_where_it_is_the_same(first, tmp_path, capsys):
-    path, out = tmp_path / "scene.yaml", tmp_path / "out"
-    path.write_text(strict_yaml.dump(a_scene(kappa=0.06).plain()))
-    says = "coupling.stiffness is 0.05 there, and 0.06 in"
-    assert says in refusal(["validate", path, "-o", out, "--against", first.path], capsys)
-    assert not out.exists()
-    path.write_text(strict_yaml.dump(a_scene(name="other").plain()))
-    code, lines = printed(["validate", path, "-o", out, "--against", first.path], capsys)
-    assert code == 0
-    assert any(line.startswith("the run is bitwise the same as ") for line in lines)
-
-
-@pytest.mark.parametrize(
-    ("output", "says"),
-    [
-        (Output(every=0.3), "only their starts are at one time"),
-        (Output(every=0.5, beads=(5,)), "recorded none of the beads that"),
-    ],
-)
-def test_runs_that_recorded_nothing_in_common_are_refused(output, says, tmp_path, capsys):
-    first, second = (
-        run(scene(beads=8, duration=1.0, timestep=0.01, output=recorded), tmp_path / name, check=False).directory.path
-        for name, recorded in (("one", Output(every=0.5, beads=(3,))), ("other", output))
-    )
-    assert says in refusal(["validate", first, "--against", second], capsys)
-
-
-def test_a_run_that_came_back_from_a_cluster_is_compared(first, tmp_path):
-    back = wrong_runs.deck_run(a_scene(), tmp_path / "back")
-    assert validate_run(back, first).deviations["velocity"].largest < 1e-9

@@ -14,20 +14,12 @@ import pytest
 
 from analysis.sharing.verdict import EquipartitionState
 from lammps_inputs import installed_scenes, strict_yaml
-from lammps_inputs.units import hertz_constant, make_scale, sphere_mass
 from workflow.cli import main
 from workflow.engines.registry import engine_names
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
-EQUAL, BEATING, SHORT, ALONE = (
-    EquipartitionState.EQUAL,
-    EquipartitionState.BEATING,
-    EquipartitionState.SHORT,
-    EquipartitionState.ALONE,
-)
-
-STEEL = {"radius": 4.76e-3, "density": 8000, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
+EQUAL, BEATING, SHORT, ALONE = (EquipartitionState[name] for name in ("EQUAL", "BEATING", "SHORT", "ALONE"))
 
 GAP = 0.9089137578630695
 """Of eq. 5 at kappa = 1."""
@@ -35,18 +27,11 @@ GAP = 0.9089137578630695
 
 @dataclass(frozen=True)
 class Row:
-    """A scene and what is to be said of it.
+    """A scene that ends at a time, and what is to be said of it.
 
-    Attributes:
-        name: of the row.
-        state: of the verdict.
-        chains, beads, kappa, until: of the scene; it ends at this time.
-        agrees: bead from which on amplitudes agree to 1%; None where nobody knows.
-        foretold: whether that bead must be foretold within its uncertainty; where not, it must not be named.
-        more: further keys of the scene.
-        engine: what runs it.
-        kept: part of the frames that is kept, as in a run that was cut.
-        says, never: patterns of what is printed.
+    `agrees` is the bead from which on amplitudes agree to 1%, None where nobody knows; `foretold`, whether it must be
+    foretold within its uncertainty; where not, it must not be named. `more` are further keys of the scene, `kept` is
+    the part of the frames that is kept, as in a run that was cut; `says` and `never` are patterns of what is printed.
     """
 
     name: str
@@ -64,9 +49,8 @@ class Row:
     never: tuple[str, ...] = ()
 
     def scene(self) -> dict[str, Any]:
-        coupling = {"coupling": {"model": "linear", "stiffness": self.kappa}} if self.kappa else {}
-        every = {"output": {"every": 0.5}}
-        scene = {"name": self.name, "chains": self.chains, "beads": self.beads, **coupling, **every}
+        coupling = {"coupling": {"stiffness": self.kappa}} if self.kappa else {}
+        scene = {"name": self.name, "chains": self.chains, "beads": self.beads, **coupling, "output": {"every": 0.5}}
         return {**scene, "kick": {"velocity": 1.0}, "duration": self.until, **self.more}
 
 
@@ -78,24 +62,8 @@ def recorded(*beads, **more):
     return {"output": {"every": 0.5, "beads": list(beads), **more}}
 
 
-def in_steel(velocity, kappa=0.1):
-    """Steel, hit so fast; its stiffness and times for a dimensionless coupling and duration."""
-    mass = sphere_mass(STEEL["radius"], STEEL["density"])
-    constant = hertz_constant(STEEL["radius"], STEEL["youngs_modulus"], STEEL["poisson_ratio"])
-    scale = make_scale(mass, constant, velocity, si=True)
-    time = scale.time
-    return {
-        "material": STEEL,
-        "coupling": {"model": "linear", "stiffness": kappa * scale.stiffness},
-        "kick": {"velocity": velocity},
-        "duration": 160.0 * time,
-        "output": {"every": 0.5 * time},
-    }
-
-
 ROWS = (
     # two chains, strong to weak
-    Row("two-2", EQUAL, 2, 40, 2.0, 58.0, 8),
     Row("two-0.5", EQUAL, 2, 50, 0.5, 72.0, 17),
     Row("two-0.5-short", BEATING, 2, 19, 0.5, 24.0, 17, foretold=True),
     Row("two-0.1", EQUAL, 2, 100, 0.1, 140.0, 62),
@@ -110,30 +78,18 @@ ROWS = (
     # more chains
     Row("three-0.1", BEATING, 3, 120, 0.1, 170.0, 105, never=("within 1% from",)),
     Row("three-0.5", EQUAL, 3, 60, 0.5, 90.0, 30),
-    Row("three-middle", EQUAL, 3, 80, 0.1, 115.0, 43, more=hit((2, 1, 1.0))),
     Row("five-0.2", BEATING, 5, 80, 0.2, 115.0, 126, foretold=True),
     Row("eight-0.5", BEATING, 8, 60, 0.5, 95.0, 100, foretold=True),
     Row("twenty-0.2", SHORT, 20, 76, 0.2, 130.0, 983, foretold=True, never=(r"25 \+- ", "beats of")),
-    Row("twenty-middle", BEATING, 20, 81, 0.2, 130.0, more=hit((10, 1, 1.0))),
     # kicks
     Row("backwards", EQUAL, 2, 50, 0.5, 72.0, 17, more=hit((1, 50, -1.0))),
-    Row("two-kicks", BEATING, 2, 45, 0.1, 65.0, 62, more=hit((1, 1, 1.0), (2, 1, 0.5))),
     Row("both-ends", BEATING, 2, 60, 0.1, 100.0, more=hit((1, 1, 1.0), (1, 60, -1.0)), never=("should agree",)),
-    Row("within", EQUAL, 2, 110, 0.1, 150.0, 66, more=hit((1, 5, 1.0))),
     # what is recorded
     Row("few", SHORT, 2, 100, 0.1, 140.0, 62, more=recorded(10, 50, 90), says=("too far",), never=("beats of",)),
-    Row("few-at-the-zeros", SHORT, 2, 100, 0.1, 140.0, 62, more=recorded(*range(9, 96, 14)), never=("beats of",)),
-    Row("every-fifth", EQUAL, 2, 100, 0.1, 140.0, more=recorded(*range(5, 100, 5), every=0.2)),
     Row("window", EQUAL, 2, 120, 0.1, 165.0, 62, more={"window": 64}, engine="lammps"),
     Row("cut", BEATING, 2, 100, 0.1, 140.0, 62, True, kept=0.5, says=("incomplete",), never=("solitary at bead 95",)),
-    Row("cut-at-once", SHORT, 2, 100, 0.1, 140.0, 62, True, kept=0.02, says=("incomplete",)),
-    # SI
-    Row("steel", BEATING, 2, 50, 0.1, 0.0, 62, True, more=in_steel(1.0)),
     # gaps
-    Row("gap-strong", EQUAL, 2, 60, 1.0, 200.0, more={"gap": GAP}, never=("should agree",)),
     Row("gap-weak", EQUAL, 2, 100, 0.1, 720.0, more={"gap": GAP * 10**0.5}, never=("should agree",)),
-    Row("gap-one", ALONE, 1, 40, 0.0, 100.0, more={"gap": 1.0}),
-    Row("gap-wide", SHORT, 2, 10, 1.0, 30.0, more={"gap": 100.0}, says=("was passed in every",), never=("should",)),
     Row("rigid", BEATING, 2, 60, 1.0, 200.0, more={"gap": GAP}, engine="collisions", never=("equipartitioned",)),
 )
 

@@ -4,8 +4,6 @@ Orders, symmetries and scaling of the schemes are in ``test_engine.py``.
 """
 
 import math
-import threading
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -30,24 +28,6 @@ def to_1e_9():
     """Two chains of 120 beads to t = 192, kappa = 0.1, with an uncertainty of 1e-9: trajectory and uncertainty."""
     halving = accurate_reference(PAPER, 1e-9)
     return engine.run(PAPER, steps_per_frame=halving.steps_per_frame), halving.uncertainty
-
-
-def test_bounds_on_velocities_alone_are_those_beside_others():
-    alone, all_bounds = (StepHalving(problem(), velocity_only=only).run() for only in (True, False))
-    assert alone.velocity == all_bounds.velocity > 0.0
-    assert math.isnan(alone.arrival)
-
-
-def test_other_threads_go_on_while_the_reference_computes():
-    engine.run(replace(PAPER, frames=1))
-    thread = threading.Thread(target=engine.run, args=(PAPER,), kwargs={"steps_per_frame": 500})
-    thread.start()
-    turns = 0
-    while thread.is_alive():
-        time.sleep(1e-3)
-        turns += 1
-    thread.join()
-    assert turns > 100  # where Python's lock is held, one for each of the few blocks of frames
 
 
 # --- against the independent ------------------------------------------------------------------------------------------
@@ -113,21 +93,11 @@ def test_the_certificate_is_no_wilder_than_it_must_be(measured):
     assert 1.0 / (SAFETY * 15.0) / 2.0 < np.median(shares) < 1.0 / SAFETY
 
 
-@pytest.mark.parametrize(("steps", "taken"), [(1, 2), (2, 2), (5, 6)])
-def test_steps_are_rounded_up_to_what_can_be_halved(steps, taken):
-    assert StepHalving(problem(), steps_per_frame=steps).steps_per_frame == taken
-
-
 def test_the_blocks_are_those_of_the_finer_run_and_their_uncertainty_its_distance_from_the_other():
     halving = StepHalving(problem(), steps_per_frame=8)
     fine, coarse = (engine.run(problem(), steps_per_frame=steps).velocity for steps in (8, 4))
     np.testing.assert_array_equal(joined(halving.blocks()).velocity, fine)
     assert halving.uncertainty.velocity == pytest.approx(SAFETY * np.max(np.abs(fine - coarse)), rel=1e-12)
-
-
-def test_a_second_pass_certifies_the_same():
-    halving = StepHalving(problem())
-    assert halving.run() == halving.run()
 
 
 def test_beads_that_fly_freely_have_no_error():
@@ -142,3 +112,14 @@ def test_what_rounding_forbids_is_not_certified():
 def test_a_reference_that_diverges_has_no_uncertainty_but_an_error():
     with pytest.raises(RunError, match=r"by t = \S+ velocities of the reference are no longer finite"):
         StepHalving(problem(kappa=1e6), steps_per_frame=2).run()
+
+
+@pytest.mark.parametrize(("steps", "taken"), [(1, 2), (2, 2), (5, 6)])
+def test_steps_are_rounded_up_to_what_can_be_halved(steps, taken):
+    assert StepHalving(problem(), steps_per_frame=steps).steps_per_frame == taken
+
+
+def test_bounds_on_velocities_alone_are_those_beside_others():
+    alone, all_bounds = (StepHalving(problem(), velocity_only=only).run() for only in (True, False))
+    assert alone.velocity == all_bounds.velocity > 0.0
+    assert math.isnan(alone.arrival)
