@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from plain_scene import goes_on_bit_for_bit
 
 from analysis.conservation import ConservationMeter
 from lammps_inputs import Scene, library
@@ -150,3 +151,9 @@ def test_the_force_in_the_closing_contact_is_that_of_any_other(tmp_path):
     for here, there in zip(*forces, strict=True):
         for key in ("largest", "at", "impulse", "dwell"):
             assert here[key] == pytest.approx(there[key], abs=1e-7)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("lammps_here")
+def test_a_ring_that_was_interrupted_far_from_its_box_goes_on_bit_for_bit(tmp_path):
+    goes_on_bit_for_bit(ring(beads=3, duration=150.0), tmp_path, after=2000)
