@@ -266,7 +266,18 @@ def numbers(problem):
     }
 
 
-@pytest.mark.parametrize("name", [name for name in CASES if not name.startswith("exponents")])
+SLOWLY_READ = ("formula", "magnets", "bonded")
+"""Beginnings of names of cases whose formulas are derived once more in every unit."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] * name.startswith(SLOWLY_READ))
+        for name in CASES
+        if not name.startswith("exponents")
+    ],
+)
 def test_a_scene_in_other_units_is_the_same_problem(name):
     own = numbers(scene(name).problem())
     for faster, material in ((4.0, None), (2.0, STEEL)):

@@ -215,11 +215,14 @@ NARROW = [name for name in FIGURES if name.startswith(("steel", "losing"))]
 NARROW += ["plastic-plastic", "residuals-si", "validation-si", "swept-si", "map-holes", "histogram"]
 
 
-@pytest.mark.parametrize("name", FIGURES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * name.startswith(("losing", "nine"))) for name in FIGURES]
+)
 def test_a_figure_shows_what_its_table_says_and_no_text_of_it_is_cut_or_covered(name, golden):
     assert_shown(name, FIGURES[name], None, golden)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NARROW)
 def test_no_text_of_a_figure_of_one_column_is_cut_or_covered(name, golden):
     assert_shown(name, FIGURES[name], 3.4, golden)

@@ -109,6 +109,7 @@ SCENES: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("name", SCENES)
 def test_a_scene_comes_back_from_its_deck(name: str, tmp_path: Path) -> None:
@@ -134,6 +135,7 @@ def column(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Adopted]:
     return folder, adopted(folder / "in.column", ("steps", "1500"), ("file", "frames.txt"))
 
 
+@pytest.mark.slow
 def test_a_frozen_bead_is_a_wall_and_gran_hertz_history_a_material(column: tuple[Path, Adopted]) -> None:
     _, read = column
     plain = keys(read.scene)

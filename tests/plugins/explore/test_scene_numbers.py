@@ -18,6 +18,7 @@ SCENE = {"name": "two", "chains": 2, "beads": 20, "coupling": {"stiffness": 0.1}
 SCENE |= {"duration": 20.0}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", installed())
 def test_every_number_of_an_installed_scene_can_be_set_to_what_it_is(name):
     scene = granchain.load(name).plain()

@@ -47,6 +47,7 @@ def explanation(word, capsys):
     return capsys.readouterr().out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", NAMES)
 def test_every_word_that_help_lists_is_explained(kind, capsys):
     names = dict.fromkeys(NAMES[kind])

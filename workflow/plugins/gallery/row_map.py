@@ -28,10 +28,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import integrate, optimize, special
 
-from granchain.parts import Floats
+from granchain.parts import Floats, laws, library
 
 CONTACT = float(2.0 * (5.0 / 8.0) ** 0.4 * math.sqrt(math.pi) * special.gamma(1.4) / special.gamma(0.9))
 """Duration of the contact of two equal beads, tau V^0.2 = 2.4388, in units of T."""
+
+PAIR = {"name": "pair", "beads": 2, "kick": {"velocity": 1.0}, "duration": 1.0}
+"""Scene of two beads that touch, whose contact is that of every row."""
 
 LOSS = 4.0 / 45.0
 """What a contact takes from the determinant of the map, over (omega tau)^2."""
@@ -53,13 +56,14 @@ def contact_map(stiffness: float) -> tuple[tuple[float, float], tuple[float, flo
 
     def rates(_: float, state: Floats) -> Floats:
         overlap, closing = state[:2]
-        force = 1.5 * math.sqrt(max(overlap, 0.0))
-        rate = [closing, -2.0 * max(overlap, 0.0) ** 1.5]
+        slope = laws.stiffness(law, overlap)
+        rate = [closing, -2.0 * laws.force(law, overlap)]
         for y, u, y_next, u_next in state[2:].reshape(2, 4):
-            push = force * (y - y_next)
+            push = slope * (y - y_next)
             rate += [u, -stiffness * y - push, u_next, -stiffness * y_next + push]
         return np.array(rate)
 
+    law = library.from_plain(PAIR, "pair").problem().system.along[0].law
     start = [0.0, 1.0, *(1.0, 0.0, 0.0, 0.0), *(0.0, 1.0, 0.0, 0.0)]
     end = integrate.solve_ivp(rates, (0.0, CONTACT), start, method="DOP853", rtol=1e-12, atol=1e-13).y[2:, -1]
     of_displacement, of_velocity = end.reshape(2, 4)
