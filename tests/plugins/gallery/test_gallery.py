@@ -10,7 +10,7 @@ import pytest
 import granchain
 from workflow.cli import main
 from workflow.plugins.gallery import sources
-from workflow.plugins.gallery.entries import ENTRIES, GROUPS
+from workflow.plugins.gallery.entries import ENTRIES, GROUPS, LONGEST
 from workflow.plugins.gallery.statements import FAILS, kept
 
 pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")
@@ -24,13 +24,16 @@ KNOWN = {
     "precompressed": (0, 3, 0), "resonators": (4, 0, 0), "rosas": (2, 1, 0), "striker-trains": (3, 1, 0),
     "tapered": (1, 4, 2), "wall": (4, 0, 0),
     "two-spheres": (4, 0, 0), "rigid-plane": (4, 0, 0), "impact-restitution": (2, 0, 0),
+    "open-multipliers": (6, 0, 0), "open-map": (4, 0, 0), "open-more-chains": (2, 0, 0), "open-modes": (3, 0, 0),
+    "open-arrays": (3, 1, 0), "open-robust": (2, 3, 0),
     "rectifier": (4, 0, 0), "dark-breathers": (4, 0, 0), "gap-breathers": (6, 1, 0), "mode-beats": (4, 0, 0),
 }  # fmt: skip
 """Statements that hold, do with a correction and do not, by entry; hard spheres are not elastic beads."""
 
 CHEAP = ("kicked-chain", "tapered")
 OWN = (*CHEAP, "collision", "rigid-plane", "wall", "landau-zener", "precompressed", "dark-breathers", "mode-beats")
-"""`granchain gallery` runs all."""
+OWN += ("open-modes", "open-robust")
+"""`granchain gallery` runs all but those of the open question, which `granchain gallery paper-open` does."""
 
 
 @pytest.fixture(scope="module")
@@ -108,6 +111,6 @@ def test_the_verdict_on_a_run_agrees_with_the_page(name: str, page: Path, tmp_pa
 def test_every_entry_is_listed_also_in_the_manuals_table_of_sources(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["gallery", "--list"]) == 0
     assert capsys.readouterr().out.split() == list(ENTRIES)
-    assert set(KNOWN) == set(ENTRIES)
+    assert set(KNOWN) == set(ENTRIES) - LONGEST
     manual = sources.PAGE.read_text(encoding="utf-8")
     assert sources.renewed(manual) == manual, "run `python -m workflow.plugins.gallery.sources`"
