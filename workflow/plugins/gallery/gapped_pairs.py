@@ -147,7 +147,7 @@ def _in_rows(theta: float, kappa: float, chains: int, rows: int) -> Shared:
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredMap:
     """Map of the relative mode of a nearly synchronised pulse in two chains.
 
     Attributes:
@@ -165,7 +165,7 @@ class Measured:
         return row_map.row_map(self.theta, self.stiffness)
 
 
-def measured(theta: float, kappa: float, received: impulses.Impulses, rows: int) -> Measured:
+def measured(theta: float, kappa: float, received: impulses.Impulses, rows: int) -> MeasuredMap:
     """The map in the rows of a run of two chains that were both kicked.
 
     Args:
@@ -178,7 +178,7 @@ def measured(theta: float, kappa: float, received: impulses.Impulses, rows: int)
     speed = float(first[:, -1].mean())
     recurrence = row_map.recurrence((first[0] - first[1])[1:] / first.sum(axis=0)[1:])
     assert recurrence is not None, "the difference at the start is within the sizes that count"
-    return Measured(theta / speed, 2.0 * kappa * speed**-0.4, recurrence)
+    return MeasuredMap(theta / speed, 2.0 * kappa * speed**-0.4, recurrence)
 
 
 def table(names: Sequence[str], rows: Sequence[Sequence[float | int | str | None]]) -> str:

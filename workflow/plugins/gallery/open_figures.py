@@ -8,12 +8,12 @@ from matplotlib.figure import Figure
 
 from granchain.parts import style
 from workflow.plugins.gallery import row_map
-from workflow.plugins.gallery.gapped_pairs import Measured, Shared
+from workflow.plugins.gallery.gapped_pairs import MeasuredMap, Shared
 from workflow.plugins.gallery.touching_arrays import Levelled
 
 
 @style.styled
-def decay_figure(measured: Sequence[Measured]) -> Figure:
+def decay_figure(measured: Sequence[MeasuredMap]) -> Figure:
     """Decay from row to row of a difference of two gapped chains, over the coupling.
 
     Args:
@@ -121,10 +121,10 @@ def collapse_figure(cases: Sequence[Levelled], single: float) -> Figure:
         chosen = [case for case in cases if case.graph.kind == kind]
         stiffness = [case.slowest * case.kappa for case in chosen]
         lengths = [case.delayed(0.01) for case in chosen]
-        kept = [case.graph.chains * case.amplitude / single / len(case.kicked) for case in chosen]
+        ratios = [case.graph.chains * case.amplitude / single / len(case.kicked) for case in chosen]
         look = {"color": style.CHAIN_COLOURS[place], "marker": "o^s"[place], "markersize": 3.5, "linestyle": "none"}
         distance.plot(stiffness, lengths, label=words, **look)
-        amplitude.plot(stiffness, kept, label=words, **look)
+        amplitude.plot(stiffness, ratios, label=words, **look)
     distance.axhline(-0.45, color="0.45", linewidth=0.8, label="fit")
     distance.set_xscale("log")
     style.label_log_axis(distance.xaxis)

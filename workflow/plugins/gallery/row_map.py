@@ -54,7 +54,8 @@ def contact_map(stiffness: float) -> tuple[tuple[float, float], tuple[float, flo
         The matrix, row by row; by DOP853 with a relative tolerance of 1e-12.
     """
 
-    def rates(_: float, state: Floats) -> Floats:
+    def motion(_: float, state: Floats) -> Floats:
+        """Rates of change of overlap, its rate, and (y, u) of two rows for each of two starts, [10]."""
         overlap, closing = state[:2]
         slope = laws.stiffness(law, overlap)
         rate = [closing, -2.0 * laws.force(law, overlap)]
@@ -65,7 +66,7 @@ def contact_map(stiffness: float) -> tuple[tuple[float, float], tuple[float, flo
 
     law = library.from_plain(PAIR, "pair").problem().system.along[0].law
     start = [0.0, 1.0, *(1.0, 0.0, 0.0, 0.0), *(0.0, 1.0, 0.0, 0.0)]
-    end = integrate.solve_ivp(rates, (0.0, CONTACT), start, method="DOP853", rtol=1e-12, atol=1e-13).y[2:, -1]
+    end = integrate.solve_ivp(motion, (0.0, CONTACT), start, method="DOP853", rtol=1e-12, atol=1e-13).y[2:, -1]
     of_displacement, of_velocity = end.reshape(2, 4)
     return (float(of_displacement[2]), float(of_velocity[2])), (float(of_displacement[3]), float(of_velocity[3]))
 
@@ -180,7 +181,7 @@ def recurrence(mode: Floats, smallest: float = 1e-7, largest: float = 0.02) -> R
     if np.count_nonzero(used) < 6:
         return None
     weight = 1.0 / size[used]
-    before, here, after = (values[used] * weight for values in (mode[:-2], mode[1:-1], mode[2:]))
-    (trace, determinant), *_ = np.linalg.lstsq(np.stack([here, -before], axis=1), after, rcond=None)
-    off = after - trace * here + determinant * before
+    earlier, middle, later = (values[used] * weight for values in (mode[:-2], mode[1:-1], mode[2:]))
+    (trace, determinant), *_ = np.linalg.lstsq(np.stack([middle, -earlier], axis=1), later, rcond=None)
+    off = later - trace * middle + determinant * earlier
     return Recurrence(float(trace), float(determinant), float(np.max(np.abs(off))))

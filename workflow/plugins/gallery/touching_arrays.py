@@ -59,7 +59,7 @@ def decay(stiffness: float, speed_of_beads: float) -> float:
 
 
 @dataclass(frozen=True)
-class Graph:
+class GraphOfChains:
     """Chains and the springs between them.
 
     Attributes:
@@ -109,24 +109,24 @@ class Graph:
         raise ValueError("equal kicks of all chains excite no relative mode")
 
 
-def row_of(chains: int) -> Graph:
+def row_of(chains: int) -> GraphOfChains:
     """Chains side by side, each tied to the next."""
-    return Graph("row", chains, tuple((chain, chain + 1) for chain in range(chains - 1)))
+    return GraphOfChains("row", chains, tuple((chain, chain + 1) for chain in range(chains - 1)))
 
 
-def ring_of(chains: int) -> Graph:
+def ring_of(chains: int) -> GraphOfChains:
     """Chains side by side, the last one also tied to the first."""
-    return Graph("ring", chains, tuple((chain, (chain + 1) % chains) for chain in range(chains)))
+    return GraphOfChains("ring", chains, tuple((chain, (chain + 1) % chains) for chain in range(chains)))
 
 
-def square_of(side: int) -> Graph:
+def square_of(side: int) -> GraphOfChains:
     """A square lattice of chains."""
     across = [(row * side + column, row * side + column + 1) for row in range(side) for column in range(side - 1)]
     along = [(row * side + column, (row + 1) * side + column) for row in range(side - 1) for column in range(side)]
-    return Graph("square", side * side, tuple(across + along))
+    return GraphOfChains("square", side * side, tuple(across + along))
 
 
-def plain_array(graph: Graph, kappa: float, kicks: Sequence[float], beads: int, **keys: Any) -> dict[str, Any]:
+def plain_array(graph: GraphOfChains, kappa: float, kicks: Sequence[float], beads: int, **keys: Any) -> dict[str, Any]:
     """Plain data of a scene of touching chains, without its name, whose first beads are kicked, [chain]."""
     kick = [{"chain": chain, "bead": 1, "velocity": float(v)} for chain, v in enumerate(kicks, 1) if v]
     springs = {"stiffness": kappa, "topology": graph.topology}
@@ -153,12 +153,12 @@ class Levelled:
 
     Attributes:
         graph, kappa, kicked: chains, coupling, and chains (from 0) that are kicked with V.
-        slowest, spread: of the slowest modes that the kicks excite (`Graph.slowest`).
+        slowest, spread: of the slowest modes that the kicks excite (`GraphOfChains.slowest`).
         difference: of the peaks, (largest - smallest) / mean, [bead]; NaN where a chain was not reached.
         amplitude: mean peak in the last beads, in units of V; NaN if the peaks do not agree to 1 %.
     """
 
-    graph: Graph
+    graph: GraphOfChains
     kappa: float
     kicked: tuple[int, ...]
     slowest: float
@@ -190,7 +190,7 @@ class Levelled:
 
 
 @cache
-def levelled(graph: Graph, kappa: float, kicked: tuple[int, ...] = (0,)) -> Levelled:
+def levelled(graph: GraphOfChains, kappa: float, kicked: tuple[int, ...] = (0,)) -> Levelled:
     """Compute an array until its pulses agree to 1 %, in chains as long as that takes, or of `MOST_BEADS`."""
     slowest, spread = graph.slowest(kicked)
     beads = min(MOST_BEADS, math.ceil(60.0 + 16.0 / (kappa * slowest)))
@@ -244,7 +244,7 @@ def mode_of(values: Floats, vector: Floats, stiffness: float, first: int = 30) -
     if len(used) < 8:
         return None
     size = np.max(np.abs([used[:-2], used[1:-1], used[2:]]), axis=0)
-    before, here, after = (part / size for part in (used[:-2], used[1:-1], used[2:]))
-    (trace, determinant), *_ = np.linalg.lstsq(np.stack([here, -before], axis=1), after, rcond=None)
+    earlier, middle, later = (part / size for part in (used[:-2], used[1:-1], used[2:]))
+    (trace, determinant), *_ = np.linalg.lstsq(np.stack([middle, -earlier], axis=1), later, rcond=None)
     root = np.roots([1.0, -trace, determinant])[0]
     return Mode(stiffness, amplitude, -math.log(abs(root)) / every, abs(math.atan2(root.imag, root.real)) / every)

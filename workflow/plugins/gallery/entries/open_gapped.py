@@ -16,7 +16,7 @@ from granchain.parts import impulses, page
 from workflow.plugins.gallery import gapped_pairs, open_figures, row_map
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
 from workflow.plugins.gallery.entry import Entry, Results, Statements
-from workflow.plugins.gallery.gapped_pairs import Measured, Shared
+from workflow.plugins.gallery.gapped_pairs import MeasuredMap, Shared
 from workflow.plugins.gallery.statements import Statement
 from workflow.plugins.rigid import engine as collisions
 from workflow.plugins.rigid import events
@@ -56,13 +56,13 @@ def _middle(kappa: float, number: int) -> float:
     return speed * (number * math.pi - row_map.tongue(2.0 * kappa * speed**-0.4).shift)
 
 
-def _measured(results: Results, theta: float, kappa: float) -> dict[str, Measured]:
+def _measured(results: Results, theta: float, kappa: float) -> dict[str, MeasuredMap]:
     runs = results[_name(theta, kappa)]
     received = {engine: impulses.measure(run.problem, run.blocks()) for engine, run in runs.items()}
     return {engine: gapped_pairs.measured(theta, kappa, values, ROWS) for engine, values in received.items()}
 
 
-def _is_two_body(measured: Measured) -> bool:
+def _is_two_body(measured: MeasuredMap) -> bool:
     """Whether a contact has ended before the next begins: D / V_s is at least half a contact."""
     return measured.theta >= 0.5 * math.sqrt(measured.stiffness) * row_map.CONTACT
 
@@ -83,7 +83,7 @@ def multipliers(results: Results) -> Statements:
     yield _rigid_beads()
 
 
-Pairs = Mapping[tuple[float, float], Mapping[str, Measured]]
+Pairs = Mapping[tuple[float, float], Mapping[str, MeasuredMap]]
 
 
 def _same_map(pairs: Pairs) -> Statement:
@@ -153,7 +153,7 @@ def _any_gap(pairs: Pairs) -> Statement:
     )
 
 
-def _resonances(middles: Mapping[tuple[float, int], Mapping[str, Measured]]) -> Statements:
+def _resonances(middles: Mapping[tuple[float, int], Mapping[str, MeasuredMap]]) -> Statements:
     growth = {
         f"kappa = {kappa:g}, n = {number}": -measured["reference"].recurrence.decay
         for (kappa, number), measured in middles.items()
@@ -318,11 +318,11 @@ def _line(kappa: float, cells: list[Shared]) -> str:
     cells = [cell for cell in cells if cell.within(gapped_pairs.AGREE) is not None]
     if not cells:
         return f"kappa = {kappa:g}: none agrees"
-    ten, one = ([_missing(cell.within(tolerance)) for cell in cells] for tolerance in (0.1, gapped_pairs.AGREE))
+    of_ten, of_one = ([_missing(cell.within(tolerance)) for cell in cells] for tolerance in (0.1, gapped_pairs.AGREE))
     amplitude = [cell.amplitude for cell in cells]
     return (
-        f"kappa = {kappa:g}: 10% from row {min(ten):.0f} to {max(ten):.0f} on, 1% from row "
-        f"{min(one):.0f} to {max(one):.0f}; amplitude {min(amplitude):.3f} to {max(amplitude):.3f} V; energy "
+        f"kappa = {kappa:g}: 10% from row {min(of_ten):.0f} to {max(of_ten):.0f} on, 1% from row "
+        f"{min(of_one):.0f} to {max(of_one):.0f}; amplitude {min(amplitude):.3f} to {max(amplitude):.3f} V; energy "
         f"{2.0 * min(amplitude) ** 2:.3f} to {2.0 * max(amplitude) ** 2:.3f} of the input"
     )
 

@@ -17,7 +17,7 @@ from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_mos
 from workflow.plugins.gallery.entry import Entry, Results, Statements
 from workflow.plugins.gallery.equipartition_distance import DECAY_LENGTH
 from workflow.plugins.gallery.statements import Statement
-from workflow.plugins.gallery.touching_arrays import Graph, Levelled, Mode, ring_of, row_of, square_of
+from workflow.plugins.gallery.touching_arrays import GraphOfChains, Levelled, Mode, ring_of, row_of, square_of
 
 PAPER = "starosvetsky2013, section 4"
 OPEN = "Left open: the parametric study of the full array."
@@ -36,7 +36,7 @@ MODES = (
     (square_of(3), 0.03, 1),
     (square_of(3), 0.01, 8),
 )
-"""Graph, coupling and number of the mode, from 0 for the synchronised one."""
+"""GraphOfChains, coupling and number of the mode, from 0 for the synchronised one."""
 
 
 @functools.cache
@@ -54,8 +54,8 @@ def _modes() -> tuple[tuple[str, Mode], ...]:
     return tuple(measured)
 
 
-def _deviations(of: Callable[[Mode], float], most: float) -> dict[str, float]:
-    return {name: of(mode) for name, mode in _modes() if mode.stiffness <= most}
+def _deviations(of: Callable[[Mode], float], largest: float) -> dict[str, float]:
+    return {name: of(mode) for name, mode in _modes() if mode.stiffness <= largest}
 
 
 def modes(_: Results) -> Statements:
@@ -123,7 +123,9 @@ LEAST = 0.015
 
 @functools.cache
 def _arrays() -> tuple[Levelled, ...]:
-    cases: list[tuple[Graph, float, tuple[int, ...]]] = [(graph, kappa, (0,)) for graph in GRAPHS for kappa in KAPPAS]
+    cases: list[tuple[GraphOfChains, float, tuple[int, ...]]] = [
+        (graph, kappa, (0,)) for graph in GRAPHS for kappa in KAPPAS
+    ]
     cases += [(graph, 0.1, kicked) for graph, kicked in ELSEWHERE]
     return tuple(
         touching_arrays.levelled(graph, kappa, kicked)
@@ -185,9 +187,9 @@ def arrays(_: Results) -> Statements:
 
 def _amplitudes(reached: Sequence[Levelled]) -> Statement:
     rows = [case for case in reached if case.graph.kind == "row" and case.kicked == (0,) and case.kappa == 0.1]
-    kept = {f"N = {case.graph.chains}": case.graph.chains * case.amplitude / SINGLE for case in rows}
+    ratios = {f"N = {case.graph.chains}": case.graph.chains * case.amplitude / SINGLE for case in rows}
     return state(
-        MeasuredQuantity("N times amplitude over that of a single chain, kappa = 0.1", kept, at_least(1.0, 0.9), "3"),
+        MeasuredQuantity("N times amplitude over that of a single chain, kappa = 0.1", ratios, at_least(1.0, 0.9), "3"),
         derived="Momentum: equal waves of all momentum of a single chain's would have the Nth part of its amplitude. "
         "Required: at least that, as rows that are left behind recoil.",
         also=[
