@@ -147,7 +147,7 @@ EXAMPLES = (
     "gallery -o gallery                # a minute; the same command resumes; then open gallery/index.html",
     "gallery paper -o gallery          # the statements and figures of the paper; some ten seconds",
     "gallery dimers -o gallery         # this entry; the others remain",
-    "gallery paper-open -o open        # what the paper leaves open; eight minutes",
+    "gallery paper-open -o open        # what the paper leaves open; four minutes",
     "gallery --list",
 )
 

@@ -269,7 +269,7 @@ def _thetas(spacing: float) -> tuple[float, ...]:
     return (0.1, *(float(theta) for theta in np.arange(spacing, 10.0 + 0.5 * spacing, spacing).round(3)))
 
 
-COARSE = Grid((0.01, 0.03, 0.1, 0.3, 1.0, 3.0), _thetas(0.4))
+COARSE = Grid((0.03, 0.1, 0.3, 1.0, 3.0), _thetas(0.4))
 FINE = Grid((0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0), _thetas(0.1))
 
 
