@@ -129,6 +129,8 @@ def from_plain(data: dict[str, Any], source: str) -> Scene:
         return Scene.model_validate(data)
     except ValidationError as error:
         raise InputError(f"{source}: {mistaken(data, 'scene') or describe(error, Scene, data)}") from None
+    except MemoryError as error:
+        raise InputError(f"{source}: beads: more than this machine's memory holds ({error}); take fewer") from None
 
 
 def mistaken(data: dict[str, Any], wanted: str) -> str:

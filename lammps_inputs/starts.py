@@ -25,13 +25,15 @@ def with_start(system: System, entries: NDArray[np.float64]) -> System:
     Raises:
         ValueError: an atom outside the lines.
     """
-    state = np.zeros((2, physics.lines(system), system.beads))
     line, bead = entries[:, :2].astype(np.int64).T - 1
     if np.any(line >= physics.lines(system)):
         raise ValueError(
             f"initial: chain {np.max(line) + 1} is outside the array (1 to {physics.lines(system)}; lines of atoms "
             "that are no beads count on from the chains)"
         )
+    if not np.any(entries[:, 2:]):
+        return system
+    state = np.zeros((2, physics.lines(system), system.beads))
     for values, column in zip(state, entries[:, 2:].T, strict=True):
         np.add.at(values, (line, bead), column)
     if not np.any(state):

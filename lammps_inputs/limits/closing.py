@@ -30,6 +30,8 @@ def never_closes(
         kicks: (chain, bead, velocity), counted from 1.
         beads: beads of a chain.
     """
+    if not np.any(gap):
+        return False
     closing: dict[int, NDArray[np.float64]] = defaultdict(lambda: np.zeros(chains))
     for chain, bead, velocity in kicks:
         closing[bead][chain - 1] += velocity

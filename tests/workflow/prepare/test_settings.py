@@ -2,6 +2,8 @@
 
 import math
 import re
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -289,3 +291,16 @@ def test_a_step_up_to_the_bound_passes_and_one_beyond_it_runs_by_force_until_its
         run(beyond(1.2), tmp_path / "run", force=True, check=False)
     analyse(RunDirectory(tmp_path / "run"), figures=False)
     assert (tmp_path / "run" / "analysis.json").is_file()
+
+
+def test_a_scene_that_memory_does_not_hold_is_refused_in_one_line(tmp_path):
+    (tmp_path / "large.yaml").write_text(
+        "{name: large, chains: 20, beads: 100000000, coupling: {stiffness: 0.1}, kick: {velocity: 1}, duration: 1,\n"
+        "initial: [{bead: 1, displacement: 0.6}]}"  # 32 GB of displacements and velocities
+    )
+    command = f"ulimit -v 8000000; {sys.executable} -m workflow run large.yaml -o run"
+    done = subprocess.run(["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith("granchain: large.yaml: beads: more than this machine's memory holds")
+    assert done.stderr.count("\n") == 1
+    assert not (tmp_path / "run").exists()
