@@ -146,6 +146,7 @@ def checked(fine: Readings, coarse: Readings) -> int:
     return stated
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "stride"), [*cases(SCENES, [10]), *cases(FAST, [2])])
 def test_forces_are_as_uncertain_as_stated(name, stride):
     coarse = read(thinned(dense(name), stride))

@@ -116,6 +116,7 @@ def in_window(run, first):
 moves = st.lists(st.tuples(st.integers(1, 199), st.integers(1, 36)), max_size=4)
 
 
+@pytest.mark.slow
 @settings(max_examples=8, deadline=None)
 @given(moves)
 def test_maxima_in_a_window_are_those_of_all_beads_where_it_holds_their_neighbours(complete, moves):

@@ -267,6 +267,7 @@ def test_an_axis_is_logarithmic_where_values_are_spaced_by_factors_also_beside_e
     assert logarithmic(values) == log
 
 
+@pytest.mark.slow
 def test_titles_tell_chains_coupling_gap_load_and_v(golden):
     kick, rows = {"velocity": 1.0}, {"stiffness": {"from": 0.1, "to": 0.2, "rows": [1, 20]}}
     steel = {"material": {"name": "steel", "radius": 5e-3}, "duration": 1e-4}

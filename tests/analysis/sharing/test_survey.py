@@ -133,6 +133,7 @@ def passage(found, chain, bead, arrival):
     return float(pulse.arrival[k]), float(pulse.speed[k]), dict(zip(pulse.bead.tolist(), pulse.arrival, strict=True))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("changes", "defined"), LOADED)
 def test_momenta_hold_within_their_uncertainty_whatever_the_frames_and_the_ends_of_the_pulse(changes, defined):
     """Against frames 0.02 T apart, and against the time from four beads before to four behind by the arrivals there."""

@@ -248,6 +248,7 @@ def latest_over_stated(run, fine, every, start=0):
     return worst
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mass", [1.0, 4.0])
 def test_maxima_are_as_accurate_as_stated_where_the_dashpot_of_a_neighbour_jumps(mass):
     """A contact that closes or opens beside a neighbour changes the slope of the force of the dashpot between both."""
@@ -279,6 +280,7 @@ def test_maxima_are_as_accurate_as_stated_with_every_law_of_dashpots(damping):
             assert latest_over_stated(run, 0.01, every) < 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [rectangular, half_sine])
 @pytest.mark.parametrize("recorded", [None, (2,)])
 def test_the_error_of_a_peak_is_below_what_is_said_where_a_push_ends_between_two_frames(law, recorded):

@@ -194,6 +194,7 @@ def test_each_kick_goes_to_its_own_chain_and_bead_also_from_the_command_line(tmp
     assert (run(case, tmp_path / "run", "-var", "kick2", 0.25).velocity[0] == expected).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("release", RELEASES)
 def test_the_longest_run_that_a_scene_may_ask_for_fits_the_integers_of_lammps(release, lmp_of, tmp_path):
     longest = scene(timestep=0.01, every=1e6, duration=1e10)

@@ -75,6 +75,7 @@ def test_frames_hold_the_resonators_and_tables_of_beads_do_not(tmp_path, lammps_
     assert np.max(np.abs(shares.missing)) < 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "contact", [{"exponent": 2.4}, {"force": "A/(d+s)^p", "A": 1.0, "d": 1.0, "p": 4.0}], ids=["overlapping", "magnets"]
 )

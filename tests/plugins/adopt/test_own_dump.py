@@ -138,6 +138,7 @@ def test_the_dump_of_another_kick_does_not_pass_and_is_named(tmp_path: Path) -> 
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shift", [0.0, 0.005, 0.37 / 3.0])
 def test_contacts_that_overlap_by_rounding_have_no_load_and_keep_their_order(shift: float, tmp_path: Path) -> None:
     read = adopted(deck(tmp_path / "in.mine", [shift - 0.1 + 0.01 * n for n in range(4)]))

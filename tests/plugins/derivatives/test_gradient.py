@@ -99,6 +99,7 @@ STIFF = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", STIFF)
 def test_pulses_that_are_short_against_default_frames_have_the_derivatives_of_the_scaling_law(name):
     """Velocities grow as the kick's, whatever the strength and mass of equal beads, and times as its power -1/5."""

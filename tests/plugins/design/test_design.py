@@ -116,6 +116,7 @@ def test_what_is_wanted_is_small_or_large(wanted, better, tmp_path):
     assert min(records, key=lambda one: worth(file.load(path), one)) is records[better]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wanted", [{"maximize": "delay"}, {"minimize": "wall_force"}], ids=str)
 def test_a_design_whose_pulse_does_not_reach_the_far_end_does_not_count(wanted, tmp_path):
     """Of one chain to t = 20; the pulse passes bead 16 at 18.6."""

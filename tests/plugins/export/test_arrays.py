@@ -86,6 +86,7 @@ def test_states_of_contacts_that_yield_are_written_in_metres(run_of):
     assert run.dataset.contact_state.units == "m"
 
 
+@pytest.mark.slow
 def test_beads_that_a_window_has_left_are_nan_and_those_ahead_are_at_rest(tmp_path, lammps_here, read):  # noqa: ARG001
     scene = {"name": "window", "beads": 160, "kick": {"velocity": 1.0}, "duration": 160.0, "window": 64}
     run = granchain.run(scene | {"output": {"every": 2.0}}, tmp_path / "run", check=False)

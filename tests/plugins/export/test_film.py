@@ -9,6 +9,7 @@ from workflow.plugins.export import film
 from workflow.plugins.export.request import ExportRequest, Options
 
 
+@pytest.mark.slow
 def test_films_have_the_pictures_and_the_duration_that_are_asked_for(run_of, tmp_path):
     ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="imageio-ffmpeg is not installed (granchain[export])")
     from PIL import Image

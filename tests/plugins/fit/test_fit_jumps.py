@@ -71,6 +71,7 @@ def test_a_smooth_model_does_not_jump_however_uncertain_its_parameters():
     assert not jumping(smooth, np.zeros(2), undetermined, np.array([NOISE])).any()
 
 
+@pytest.mark.slow
 def test_intervals_of_a_model_that_jumps_contain_the_truth_as_often_as_stated_and_do_not_shrink():
     """Numbers of 100 fits within 2.6 standard deviations of 95%; errors follow the noise, of 200 values, to 5% each."""
     count, inside, errors = 100, np.zeros(2), []

@@ -60,6 +60,7 @@ def test_what_is_said_of_ranks_holds_their_number_beads_seconds_and_memory():
         assert words in sentence
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "case", [scene(chains=10, beads=2000, kappa=0.1), scene(beads=20_000)], ids=["coupled", "lone"]
 )

@@ -67,6 +67,7 @@ def test_two_chains_move_by_eq_4(kappa):
     np.testing.assert_allclose(row.velocity[:, :, 0], 0.5 * v, rtol=0, atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chains", [1, 3, 20])
 @pytest.mark.parametrize("kappa", [0.0, 0.3])
 def test_any_number_of_chains_moves_by_its_modes(chains, kappa):

@@ -59,6 +59,7 @@ def test_no_collision_is_marked_where_the_scene_determines_all(changes):
     assert not marked.collisions.any()
 
 
+@pytest.mark.slow
 def test_in_a_long_run_of_many_collisions_the_mark_is_that_of_a_short_one():
     long, short = (run(rigid_problem(beads=200, gap=0.5, duration=duration)) for duration in (1500.0, 200.0))
     stride = -(-len(long) // 4096)

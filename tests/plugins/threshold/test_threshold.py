@@ -135,6 +135,7 @@ def drawn(monkeypatch):
 NINE = ",".join(map(str, range(20, 29)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "more"),
     [

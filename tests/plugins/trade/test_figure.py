@@ -35,6 +35,7 @@ FIGURES = {
 }
 
 
+@pytest.mark.slow
 @at_both_widths
 @pytest.mark.parametrize("name", FIGURES)
 def test_the_figure_shows_every_method_its_front_and_the_uncertainty(name, width, golden):

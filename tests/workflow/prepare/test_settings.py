@@ -169,6 +169,7 @@ def test_where_no_step_keeps_the_default_accuracy_the_rule_gives_one_and_an_accu
         settle(asking(far, DEFAULT_ACCURACY))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changes", [{"output": Output(every=0.02)}, {"window": 64, "beads": 300}])
 def test_a_check_with_the_reference_of_the_pilot_run_finds_what_a_new_one_does(tmp_path, changes):
     ready = prepare_run(scene(**{"duration": 150.0, **changes}), tmp_path / "run")

@@ -72,6 +72,7 @@ def killed(work: Callable[[], object], before: int, operations: Collection[str] 
     return code != 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("overwrite", [False, True])
 def test_a_kill_at_any_moment_leaves_the_earlier_files_or_the_new_ones(tmp_path: Path, *, overwrite: bool) -> None:
     (tmp_path / "before").mkdir()
