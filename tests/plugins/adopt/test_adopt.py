@@ -211,6 +211,7 @@ WALL = "fix w all wall/gran granular hertz 100 0 tangential linear_history 0 0 0
         ("variable f equal sin(step)\nfix push all addforce v_f 0 0\nrun 10", "depends on the time"),
         ("group one id 1\nfix p one move linear 0.1 0.1 0\nrun 10", "moved across its chain"),
         ("fix p all move rotate 0 0 0 0 0 1 5\nrun 10", "supported: move linear, move wiggle, move variable"),
+        (f"{WALL}.05 wiggle x 0.1 10\nrun 10", "moves a wall, which is not read"),
         ("read_data absent.data add append\nrun 10", "absent.data"),
         ("timestep\nrun 10", "in.chain:18: timestep: Illegal timestep command"),
     ],

@@ -316,6 +316,8 @@ def _fix(rest: list[str]) -> str:
         return "is of LIGGGHTS; a scene has `beads`, `gap`, `material: {radius: ..., density: ...}` and `walls`"
     if style == "wall/gran" and options[:1] == ["model"]:
         return "is of LIGGGHTS; a scene has `walls: {left: flat, right: flat}`"
+    if style == "wall/gran" and {"wiggle", "shear"} & set(options):
+        return "moves a wall, which is not read; a bead at the end with the `drive` of a scene is such a wall"
     return "" if style in FIXES else _REASONS.get(f"fix {style}", _supported("fix", FIXES))
 
 
