@@ -16,6 +16,8 @@ CHAIN = {"name": "scene", "chains": 1, "beads": 8, "kick": {"velocity": 1.0}, "d
 PAIR = {**CHAIN, "chains": 2, "coupling": {"stiffness": 0.3}}
 HELD = {"precompression": {"force": 0.3}, "walls": {"left": "bead", "right": "flat"}, "kick": {"velocity": 0.5}}
 PLAIN = ("peak_velocity@6", "arrival@6", "speed@4", "participation")
+SHORT = {**CHAIN, "beads": 5, "duration": 6.0}
+EARLY = ("peak_velocity@4", "arrival@4", "speed@3", "participation")
 AT_WALL = ("peak_velocity@4", "wall_force", "delay")
 
 
@@ -76,8 +78,8 @@ SCENES = {
         ("foundation.stiffness",),
     ),
     "losses": Differentiable(
-        {**CHAIN, "damping": {"contact": 0.1, "beads": 0.05, "tension": "allowed"}},
-        PLAIN,
+        {**SHORT, "damping": {"contact": 0.1, "beads": 0.05, "tension": "allowed"}},
+        EARLY,
         ("damping.contact", "damping.beads"),
     ),
     "viscoelastic": Differentiable(
@@ -86,7 +88,7 @@ SCENES = {
         ("damping.contact", "precompression.force"),
     ),
     "restitution": Differentiable(
-        {**CHAIN, "damping": {"contact": 0.8, "law": "restitution"}}, PLAIN, ("damping.contact", "kick.velocity")
+        {**SHORT, "damping": {"contact": 0.8, "law": "restitution"}}, EARLY, ("damping.contact", "kick.velocity")
     ),
     "push": Differentiable(
         {**CHAIN, "kick": None, "push": {"shape": "half-sine", "peak": 0.5, "duration": 2.0}, "duration": 18.0},
@@ -119,7 +121,7 @@ def values_of_run(plain: dict[str, Any], name: str, every: float) -> Any:
     """Quantities, [quantity], of an accurate run with frames that far apart, in units of the scene."""
     scene = library.from_plain({**plain, "output": {"every": every}}, name)
     problem = scene.problem()
-    run = engine.run(problem, steps_per_frame=8 * engine.default_steps_per_frame(problem))
+    run = engine.run(problem, steps_per_frame=4 * engine.default_steps_per_frame(problem))
     values = of_frames(problem, run.blocks, scene, SCENES[name].quantities)
     return np.array([values[quantity] for quantity in SCENES[name].quantities], dtype=np.float64)
 
