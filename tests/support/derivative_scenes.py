@@ -1,4 +1,4 @@
-"""Twenty small scenes of all ingredients that have derivatives, and their derivatives by differences of runs."""
+"""Small scenes of all ingredients that have derivatives, and their derivatives by differences of runs."""
 
 import math
 from typing import Any, NamedTuple
@@ -37,20 +37,10 @@ SCENES = {
         {**CHAIN, "contact": {"strength": 0.01}, "duration": 80.0}, PLAIN, ("kick.velocity", "contact.strength")
     ),
     "fast": Differentiable({**CHAIN, "kick": {"velocity": 30.0}, "duration": 6.0}, PLAIN, ("kick.velocity",)),
-    "ramp": Differentiable(
-        {**CHAIN, "contact": {"strength": {"from": 1.0, "to": 40.0, "contacts": [2, 5]}}, "duration": 9.0},
-        PLAIN,
-        ("contact.strength.from", "contact.strength.to"),
-    ),
     "steel": Differentiable(
         {**PAIR, "material": STEEL, "coupling": {"stiffness": 2e7}, "duration": 2.4e-4},
         ("peak_velocity@6", "arrival@6", "participation"),
         ("material.radius", "material.youngs_modulus", "coupling.stiffness"),
-    ),
-    "light beads": Differentiable(
-        {**CHAIN, "kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.05}}, "pattern": ["heavy", "light"]},
-        PLAIN,
-        ("kinds.light.mass", "kick.velocity"),
     ),
     "pair": Differentiable(PAIR, PLAIN, ("coupling.stiffness", "kick.velocity")),
     "striker": Differentiable(
@@ -63,37 +53,37 @@ SCENES = {
     ),
     "gap": Differentiable({**CHAIN, "gap": 0.3, "duration": 20.0}, PLAIN[:2], ("gap", "kick.velocity")),
     "exponent": Differentiable({**CHAIN, "contact": {"exponent": 2.0}}, PLAIN, ("contact.exponent",)),
-    "load": Differentiable({**CHAIN, **HELD}, ("peak_velocity@6", "arrival@6"), ("precompression.force",)),
-    "column": Differentiable(
-        {**CHAIN, "gravity": 0.05, "walls": {"right": "flat"}, "kick": {"velocity": 0.5}},
-        ("peak_velocity@6", "arrival@6", "participation"),
-        ("gravity",),
+    "ramp of strengths, light beads": Differentiable(
+        {
+            **{**CHAIN, "kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.05}}, "pattern": ["heavy", "light"]},
+            "contact": {"strength": {"from": 1.0, "to": 40.0, "contacts": [2, 5]}},
+        },
+        PLAIN,
+        ("contact.strength.from", "kinds.light.mass", "kick.velocity"),
     ),
-    "inner masses": Differentiable(
-        {**CHAIN, "resonators": {"mass": 0.2, "stiffness": 3.0}}, PLAIN, ("resonators.mass", "resonators.stiffness")
+    "load, gravity, push": Differentiable(
+        {
+            **{**CHAIN, **HELD, "gravity": 0.05, "kick": None},
+            "push": {"shape": "half-sine", "peak": 0.5, "duration": 2.0},
+        },
+        PLAIN[:2],
+        ("precompression.force", "gravity", "push.peak"),
     ),
-    "foundation": Differentiable(
-        {**PAIR, "foundation": {"stiffness": 0.2, "cubic": 0.1}},
-        ("peak_velocity@4", "participation"),
-        ("foundation.stiffness",),
+    "inner masses, foundation": Differentiable(
+        {
+            **{**PAIR, "foundation": {"stiffness": 0.2, "cubic": 0.1}},
+            "resonators": {"mass": 0.2, "stiffness": 3.0},
+        },
+        ("peak_velocity@4", "peak_velocity@6", "participation"),
+        ("foundation.stiffness", "resonators.mass", "resonators.stiffness"),
     ),
-    "losses": Differentiable(
-        {**SHORT, "damping": {"contact": 0.1, "beads": 0.05, "tension": "allowed"}},
-        EARLY,
-        ("damping.contact", "damping.beads"),
-    ),
-    "viscoelastic": Differentiable(
-        {**CHAIN, **HELD, "damping": {"contact": 0.2, "law": "viscoelastic", "tension": "allowed"}},
-        ("peak_velocity@6", "arrival@6"),
-        ("damping.contact", "precompression.force"),
+    "viscoelastic, drag": Differentiable(
+        {**CHAIN, **HELD, "damping": {"contact": 0.2, "law": "viscoelastic", "beads": 0.05, "tension": "allowed"}},
+        PLAIN[:2],
+        ("damping.contact", "damping.beads", "precompression.force"),
     ),
     "restitution": Differentiable(
         {**SHORT, "damping": {"contact": 0.8, "law": "restitution"}}, EARLY, ("damping.contact", "kick.velocity")
-    ),
-    "push": Differentiable(
-        {**CHAIN, "kick": None, "push": {"shape": "half-sine", "peak": 0.5, "duration": 2.0}, "duration": 18.0},
-        ("peak_velocity@6", "arrival@6", "participation"),
-        ("push.peak",),
     ),
     "magnets": Differentiable(
         {
