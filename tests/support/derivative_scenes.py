@@ -94,7 +94,7 @@ SCENES = {
             "duration": 6.0,
         },
         ("peak_velocity@6", "arrival@6"),
-        ("contact.A", "kick.velocity"),
+        ("contact.A",),
     ),
 }
 
