@@ -34,6 +34,14 @@ def built(executable, tmp_path_factory):
     return sdist, next(place.glob("*.whl"))
 
 
+@pytest.fixture(scope="module")
+def site(built, tmp_path_factory):
+    """Directory in which the wheel is installed."""
+    place = tmp_path_factory.mktemp("installed")
+    run(sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--target", place, built[1])
+    return place
+
+
 def test_the_wheel_holds_every_file_of_the_packages(built, executable):
     held = {name for name in zipfile.ZipFile(built[1]).namelist() if ".dist-info/" not in name}
     tracked = run(executable("git"), "ls-files", *PACKAGES, cwd=ROOT).split()
@@ -47,13 +55,12 @@ def test_the_sdist_holds_all_there_is_also_tests_change_log_and_pictures(built, 
     assert held == {*run(executable("git"), "ls-files", cwd=ROOT).split(), "PKG-INFO"}
 
 
-def test_the_main_job_runs_from_the_wheel_elsewhere(built, tmp_path):
-    run(sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--target", tmp_path / "site", built[1])
+def test_the_main_job_runs_from_the_wheel_elsewhere(site, tmp_path):
     # no path of the sources: the interpreter starts elsewhere, and what was installed comes first
-    environment = {"PYTHONPATH": str(tmp_path / "site"), "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
+    environment = {"PYTHONPATH": str(site), "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
     where = "import granchain, workflow; print(granchain.__file__, workflow.__file__)"
     paths = run(sys.executable, "-P", "-c", where, cwd=tmp_path, env=environment).split()
-    assert all(path.startswith(str(tmp_path)) for path in paths)
+    assert all(path.startswith(str(site)) for path in paths)
     command = (sys.executable, "-P", "-m", "workflow")
     run(*command, "run", "one-chain", "-o", "demo", cwd=tmp_path, env=environment)
     assert "analysis.json" in run(*command, "analyze", "demo", "--no-figures", cwd=tmp_path, env=environment)
@@ -69,13 +76,12 @@ def test_an_editable_install_has_the_sources_on_the_path_with_the_module_beside_
     assert set(wheel.read(paths).decode().split()) == {str(source), str(source / "workflow/python")}
 
 
-def test_type_checkers_see_the_types_of_the_installed_module(built, tmp_path):
-    run(sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--target", tmp_path / "site", built[1])
+def test_type_checkers_see_the_types_of_the_installed_module(site, tmp_path):
     text = (
         "import granchain\nfrom workflow.plugins.fit.study import fit\n\nreveal_type(granchain.run)\nreveal_type(fit)\n"
     )
     (tmp_path / "script.py").write_text(text)
-    environment = {"MYPYPATH": str(tmp_path / "site"), "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
+    environment = {"MYPYPATH": str(site), "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
     # types of other packages are no claim here, and reading them takes longer than all else
     options = ("--no-site-packages", "--ignore-missing-imports", "--follow-imports=silent")
     words = (sys.executable, "-P", "-m", "mypy", *options, "script.py")

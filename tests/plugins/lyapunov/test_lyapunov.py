@@ -74,7 +74,7 @@ def verlet_exponent(step, duration):
 
 @pytest.mark.slow
 def test_largest_exponent_is_that_of_an_independent_program():
-    expected, uncertainty = verlet_exponent(0.02, 6000)
+    expected, uncertainty = verlet_exponent(0.02, 3000)
     for refinement in (1, 2):
         values, errors = exponents(CHAOTIC, 1, 20_000, refinement)
         assert abs(values[0] - expected) < 3.5 * math.hypot(errors[0], uncertainty)

@@ -52,12 +52,12 @@ def closed_form(scene, drive, omega):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["force", "displacement"])
-def test_small_responses_are_those_of_springs_and_dashpots_up_to_the_square_of_the_drive(kind):
+@pytest.mark.parametrize(("kind", "dashpots"), [("force", 0.1), ("displacement", 0.0)])
+def test_small_responses_are_those_of_springs_and_dashpots_up_to_the_square_of_the_drive(kind, dashpots):
     deviations = []
     for size in (1e-3, 1e-4):
         drive = {kind: size, "frequency": 0.2, "phase": 50}
-        scene = DRIVEN | {"beads": 4, "damping": {"beads": 0.05, "contact": 0.1}, "drive": drive}
+        scene = DRIVEN | {"beads": 4, "damping": {"beads": 0.05, "contact": dashpots}, "drive": drive}
         solver, state = response_of(scene, 0.2)
         x = solver.samples(state)[0][0, 0] * solver.problem.scale.length
         expected = closed_form(scene, drive | {"angle": math.radians(50)}, 0.4 * math.pi)
