@@ -31,7 +31,7 @@ KNOWN = {
 """Statements that hold, do with a correction and do not, by entry; hard spheres are not elastic beads."""
 
 CHEAP = ("kicked-chain", "tapered")
-OWN = (*CHEAP, "collision", "rigid-plane", "wall", "landau-zener", "precompressed", "dark-breathers")
+OWN = (*CHEAP, "collision", "rigid-plane", "wall", "landau-zener", "precompressed", "dark-breathers", "mode-beats")
 OWN += ("open-modes", "open-robust")
 """`granchain gallery` runs all but those of the open question, which `granchain gallery paper-open` does."""
 
