@@ -38,7 +38,7 @@ class Rows:
     def only(self, beads: Iterable[int] | None) -> "Rows":
         """Rows of which frames hold some beads, ascending, or all that exist: with None, and where all are listed."""
         listed = None if beads is None else tuple(int(bead) for bead in beads)
-        every = listed is not None and len(listed) == self.beads  # ascending, so these are all
+        every = listed is not None and listed == tuple(range(1, self.beads + 1))
         return replace(self, listed=None if every else listed)
 
     def near_front(self, width: int | None) -> "Rows":

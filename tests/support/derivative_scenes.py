@@ -55,7 +55,9 @@ SCENES = {
     "exponent": Differentiable({**CHAIN, "contact": {"exponent": 2.0}}, PLAIN, ("contact.exponent",)),
     "ramp of strengths, light beads": Differentiable(
         {
-            **{**CHAIN, "kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.05}}, "pattern": ["heavy", "light"]},
+            **CHAIN,
+            "kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.05}},
+            "pattern": ["heavy", "light"],
             "contact": {"strength": {"from": 1.0, "to": 40.0, "contacts": [2, 5]}},
         },
         PLAIN,
@@ -63,7 +65,10 @@ SCENES = {
     ),
     "load, gravity, push": Differentiable(
         {
-            **{**CHAIN, **HELD, "gravity": 0.05, "kick": None},
+            **CHAIN,
+            **HELD,
+            "gravity": 0.05,
+            "kick": None,
             "push": {"shape": "half-sine", "peak": 0.5, "duration": 2.0},
         },
         PLAIN[:2],
@@ -71,7 +76,8 @@ SCENES = {
     ),
     "inner masses, foundation": Differentiable(
         {
-            **{**PAIR, "foundation": {"stiffness": 0.2, "cubic": 0.1}},
+            **PAIR,
+            "foundation": {"stiffness": 0.2, "cubic": 0.1},
             "resonators": {"mass": 0.2, "stiffness": 3.0},
         },
         ("peak_velocity@4", "peak_velocity@6", "participation"),

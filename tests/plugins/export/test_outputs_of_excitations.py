@@ -27,7 +27,9 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "kick, column, forces of recorded beads": (
         "reference",
         {
-            **{"kick": {"velocity": 0.1}, "gravity": 0.02, "walls": {"right": "bead"}},
+            "kick": {"velocity": 0.1},
+            "gravity": 0.02,
+            "walls": {"right": "bead"},
             "output": {"beads": [4, 5, 6], "forces": {"contacts": [5], "sensors": [5]}},
         },
     ),
@@ -43,8 +45,11 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "two pushes, loaded chains, everything": (
         "lammps",
         {
-            **{"push": [PUSH, {"bead": 12, "table": [[0, 0], [1, -0.1], [2, 0]]}], **LOAD, **EVERYTHING},
-            **{"chains": 3, "coupling": {"stiffness": 0.1}},
+            "push": [PUSH, {"bead": 12, "table": [[0, 0], [1, -0.1], [2, 0]]}],
+            **LOAD,
+            **EVERYTHING,
+            "chains": 3,
+            "coupling": {"stiffness": 0.1},
         },
     ),
     "kick and two drives, loaded, everything": (
