@@ -55,6 +55,7 @@ PICTURES = {
     "gallery/disordered-chain": ("disordered-chain", "spacetime"),
     "gallery/newtons-cradle": ("newtons-cradle", "spacetime"),
     "gallery/falling-column": ("falling-column", "spacetime"),
+    "gallery/closed-chain": ("closed-chain", "spacetime"),
     "gallery/two-chains-gapped": ("two-chains-gapped", "distance"),
 }
 """File in ``.github`` -> installed scene, and which of its figures."""

@@ -12,6 +12,7 @@ pytestmark = pytest.mark.usefixtures("lammps_here")
 
 SPRINGS = {"chains": 2, "beads": 8, "coupling": {"stiffness": 0.1}, "resonators": {"mass": 0.3, "stiffness": 0.2}}
 COMMON = {"name": "part", **SPRINGS, "timestep": 0.01, "output": {"every": 0.5}}
+ONE_CHAIN = dict.fromkeys(["chains", "coupling", "resonators"])
 
 
 def scene(folder, **keys):
@@ -38,6 +39,17 @@ def test_two_runs_one_after_the_other_are_the_run_of_both_times_with_kicks_that_
     difference = start - whole.velocity[20]
     assert difference[0, 2] == pytest.approx(2.0, abs=1e-12)
     assert np.count_nonzero(np.abs(difference) > 1e-12) == 1
+
+
+def test_a_column_that_came_to_rest_is_kicked_as_the_settled_one(tmp_path):
+    column = {"name": "column", "beads": 6, "walls": {"right": "flat"}, "timestep": 0.01}
+    falls = {"acceleration": 1e-3, "settled": False}
+    loose = scene(tmp_path, **column, gravity=falls, damping={"beads": 0.2}, duration=600.0, **ONE_CHAIN)
+    run(loose, tmp_path / "rest", check=False)
+    kicked = {**column, **ONE_CHAIN, "kick": {"velocity": 1.0}, "duration": 10.0}
+    fallen = run(scene(tmp_path, **kicked, gravity=falls, initial={"run": "rest"}), tmp_path / "fallen", check=False)
+    settled = run(scene(tmp_path, **kicked, gravity=1e-3), tmp_path / "settled", check=False)
+    np.testing.assert_allclose(fallen.trajectory.velocity, settled.trajectory.velocity, rtol=0.0, atol=1e-12)
 
 
 def test_the_new_run_needs_the_old_directory_no_more_and_names_it_by_its_checksum(first, tmp_path):
