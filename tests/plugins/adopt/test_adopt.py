@@ -271,7 +271,7 @@ def test_a_data_file_elsewhere_is_read(tmp_path: Path) -> None:
     assert [kind for kind in kinds.values() if kind] == [{"mass": pytest.approx(larger / mass), "radius": 1.5}]
 
 
-REFUSED = {"hammer-from-a-file", "landau-zener", "drive-above-the-cut-off", "magnets", "plastic-contacts"}
+REFUSED = {"hammer-from-a-file", "landau-zener", "magnets", "plastic-contacts"}
 """Scenes with forces in time, or with other contacts."""
 
 ALIKE = {"one-chain", "other-exponent", "three-chains", "two-chains-strong", "two-chains-gapped-strong"}

@@ -266,12 +266,15 @@ def arrange(place: Floats, radius: Floats, mass: Floats, bonds: Integers) -> tup
     inside = (radius < 0.5 * np.max(radius)) & (count == 1)
     beads = np.flatnonzero(~inside)
     width = 1e-6 * np.max(radius)
-    lines = []
+    springs = np.searchsorted(beads, bonds[~np.any(inside[bonds], axis=1)])
+    lines, costs = [], []
     for axis in range(3):
         across = np.round(np.delete(place[beads], axis, axis=1) / width)
         _, line = np.unique(across, axis=0, return_inverse=True)
         lines.append(line.reshape(-1))
-    axis = int(np.argmin([np.max(line) for line in lines]))
+        of_springs = lines[axis][springs]  # they tie chains, so that none lies along the beads of a chain
+        costs.append((np.count_nonzero(of_springs[:, 0] == of_springs[:, 1]), int(np.max(line))))
+    axis = min(range(3), key=costs.__getitem__)
     of_line = [beads[lines[axis] == number] for number in range(int(np.max(lines[axis])) + 1)]
     sizes = {len(line) for line in of_line}
     if len(sizes) > 1 or min(sizes) < 2:
