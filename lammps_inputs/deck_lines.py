@@ -168,6 +168,11 @@ class DeckLines:
         heavier: formula of the increase of the masses over half a time step.
         damped: whether the dashpots of contacts are in the lines of these.
         numbers: numbers of every bead, [chain, bead], in the data file, by their names in LAMMPS.
+
+    Examples:
+        >>> held = DeckLines(motion=("fix held all spring/self 0.1 x",))  # what `Law.ground` of a spring returns
+        >>> held.variables, held.style
+        ((), '')
     """
 
     variables: tuple[str, ...] = ()

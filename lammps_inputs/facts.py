@@ -6,6 +6,9 @@ from enum import Enum
 class Fact(Enum):
     """Property of a plain chain that holds unless an ingredient removes it.
 
+    Work from outside, of pushes, given motions and laws in time, removes no energy: the budget has it. Dashpots do.
+    Springs to the ground and given motions remove momentum.
+
     Examples:
         >>> chains, damped = (granchain.load(name).problem().system for name in ("two-chains", "damped-contacts"))
         >>> chains.holds(Fact.ENERGY), damped.holds(Fact.ENERGY)

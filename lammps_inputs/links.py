@@ -92,10 +92,9 @@ class Links:
         curved: whether a place has as curved a surface as the bead that meets it, as another bead has; else it is flat.
 
     Examples:
-        >>> [springs] = granchain.load("beats-on-a-foundation").system.ground
-        >>> bed = Links.ground("bed", springs.law, gap=0.5)
-        >>> bed.strain(np.array([[0.7, 1.5]]))  # of displacements, [chain, bead], in units of L
-        array([[0.2, 1. ]])
+        >>> [contacts] = granchain.load("two-chains").system.along
+        >>> contacts.strain(np.array([[0.7, 0.5, 0.0]]))  # of displacements, [chain, bead], in units of L
+        array([[0.2, 0.5]])
     """
 
     name: str
@@ -105,6 +104,15 @@ class Links:
     gap: float | Floats = 0.0
     grid: tuple[int, int] | None = None
     curved: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse what no engine computes.
+
+        Raises:
+            ValueError: a law that depends on time, of links that are not to the ground.
+        """
+        if self.law.varies and self.kind != "ground":
+            raise ValueError(f"{self.name}: a law that depends on time is that of links to the ground")
 
     def __eq__(self, other: object) -> bool:
         """Whether all is the same, to the last number of every array."""
@@ -160,15 +168,14 @@ class Links:
         return cls(name, law, Beads(slice(None), lower), Beads(slice(None), higher), grid=grid)
 
     @classmethod
-    def ground(cls, name: str, law: Law, gap: float = 0.0) -> "Links":
-        """Links of each bead with its place at rest, [..., chain, bead].
+    def ground(cls, name: str, law: Law) -> "Links":
+        """Links of each bead with its place at rest, [..., chain, bead]; their law may depend on time.
 
         Args:
             name: name for users.
             law: law of every link.
-            gap: displacement at which the strain is 0.
         """
-        return cls(name, law, EACH, None, gap)
+        return cls(name, law, EACH, None)
 
     @classmethod
     def wall(cls, name: str, law: Law, side: float, gap: float = 0.0, *, curved: bool = False) -> "Links":

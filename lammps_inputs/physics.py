@@ -357,14 +357,35 @@ def force_at_start(system: System) -> NDArray[np.float64]:
 
 
 def span_at_start(system: System) -> tuple[int, int]:
-    """First and last bead, counted from 1, that move or are pushed at the start; all others feel no force."""
+    """First and last bead, counted from 1, that move at the start, or that loads or links to the ground may move later.
+
+    All others feel no force until a neighbour moves.
+    """
     if system.weights or system.closing:
         return 1, system.beads
-    beads = [bead for _, bead, _ in excitations(system)]
+    beads = [bead for _, bead, _ in excitations(system)] + _moved_by_ground(system)
     if system.start is not None:
         displaced = np.flatnonzero(np.any(system.start.displacement, axis=0) | np.any(system.start.velocity, axis=0))
         beads += (displaced[[0, -1]] + 1).tolist()
     return min(beads), max(beads)
+
+
+@once
+def _moved_by_ground(system: System) -> list[int]:
+    """First and last bead, counted from 1, on which links to the ground act at rest at any time; none if on no bead."""
+    rest, acting = np.zeros((system.chains, system.beads)), np.zeros(system.beads, dtype=bool)
+    for link in system.ground:
+        for time in _sampled_times(link.law) if link.law.varies else [0.0]:
+            acting |= np.any(link.at(time).force(rest) != 0.0, axis=0)
+    beads = np.flatnonzero(acting)
+    return (beads[[0, -1]] + 1).tolist() if len(beads) else []
+
+
+def _sampled_times(law: Any) -> list[float]:
+    """Times at some of which a law acts at rest if it ever does: of all sizes, over a period, at and between bends."""
+    bends = np.array([0.0, *filter(math.isfinite, law.bends)])
+    period = 2.0 * math.pi / float(np.max(law.omega)) if np.any(law.omega) else 0.0
+    return [*bends, *(bends[1:] + bends[:-1]) / 2.0, *np.linspace(0.0, period, 33), *np.geomspace(1e-6, 1e9, 16)]
 
 
 def largest_excitation(system: System) -> tuple[int, int, float]:

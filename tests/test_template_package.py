@@ -66,6 +66,7 @@ def test_its_quantity_is_printed_written_and_collected(site: Path, folder: Path)
     assert stated > 0.0
     explained = granchain(site, folder, "help", "largest_backwards")
     assert "largest velocity of any bead towards lower numbers" in explained
+    assert "Force over the fifth power of the displacement." in granchain(site, folder, "help", "bed.quintic")
     (folder / "sweep.yaml").write_text(
         "scene: tungsten-on-a-bed\nvary: {kick.velocity: [0.1, 0.2]}\n"  # the first is the run above
     )

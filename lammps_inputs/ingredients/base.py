@@ -228,6 +228,14 @@ class FurtherAtoms(NamedTuple):
         noun: what one atom is called, and several: in the energy budget, deviations, exported frames and on pages.
         chain_of_line: chain that each line belongs to, counted from 0; empty where the lines are those of all chains in
             turn, once or several times.
+
+    Examples:
+        >>> mass = np.where(np.arange(1, 31) == 10, 0.1, 0.0)[np.newaxis]  # at bead 10, of one line of 30 places
+        >>> spring = laws.spring.Linear(np.where(mass > 0.0, 0.05, 0.0))
+        >>> tie = Links.across("absorber", spring, edges=((0, 2),))  # chain 1 of two with the line after both
+        >>> atoms = FurtherAtoms(mass, (tie,), noun=("absorber", "absorbers"), chain_of_line=(0,))
+        >>> [(line.chain, line.noun.plural) for line in atoms.lines(2)]
+        [(0, 'absorbers')]
     """
 
     mass: NDArray[np.float64]

@@ -98,7 +98,7 @@ class Law(Parameters):
     frames (`at_state`). It has ``next_state``, ``permanent`` and ``dissipated``.
 
     A law that depends on time (``varies``) takes the time ``t`` after the strain in all functions but the bounds, and
-    has ``now``, ``power``, ``steady`` and ``bends``.
+    has ``now``, ``power``, ``steady`` and ``bends``; it is a law of links to the ground alone.
 
     Attributes:
         rest: overlap at rest; 0 where beads just touch.

@@ -1,9 +1,7 @@
 """Tables of keys in the scene reference, made from the types; ``python tests/support/key_tables.py`` renews them."""
 
-import ast
 import functools
 import importlib.resources
-import inspect
 import re
 import textwrap
 import typing
@@ -21,6 +19,7 @@ from lammps_inputs.ingredients.registry import INGREDIENTS
 from lammps_inputs.output import Forces, Limits, Output, Spectra
 from lammps_inputs.scene import Kick, Material, Scene
 from lammps_inputs.units import Unit
+from workflow.plugins.help.handbook import meanings
 
 _TYPES: list[type[BaseModel]] = [
     Material,
@@ -104,29 +103,6 @@ def table(name: str) -> str:
         cells = (f"`{key}`", _unit(field), _valid(spelled, defs), default, meaning[key])
         rows.append(f"| {' | '.join(cells)} |")
     return "\n".join(rows) + "\n"
-
-
-def meanings(model: type[BaseModel]) -> dict[str, str]:
-    """What stands below each field of a type and the types it is made from, or in the field itself."""
-    found = {key: field.description or "" for key, field in model.model_fields.items()}
-    for parent in reversed([base for base in model.__mro__ if base.__module__.startswith("lammps_inputs")]):
-        found |= _below_fields(parent)
-    return found
-
-
-@functools.cache
-def _below_fields(model: type) -> dict[str, str]:
-    """What stands below each field in the source of one type."""
-    try:
-        (tree,) = ast.parse(textwrap.dedent(inspect.getsource(model))).body
-    except (OSError, TypeError):  # made at run time
-        return {}
-    assert isinstance(tree, ast.ClassDef)
-    return {
-        field.target.id: " ".join(str(ast.literal_eval(text.value)).split())
-        for field, text in zip(tree.body, tree.body[1:], strict=False)
-        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(text, ast.Expr)
-    }
 
 
 def _unit(field: Any) -> str:

@@ -1,10 +1,16 @@
 """The scene reference `SCENES.md` as text for a terminal, section by section."""
 
+import ast
 import functools
 import importlib.resources
+import inspect
 import re
 import textwrap
 from collections.abc import Iterator
+
+from pydantic import BaseModel
+
+from granchain.parts import registry, units
 
 WIDTH = 100
 INDENT = " " * 6
@@ -32,6 +38,48 @@ def of_key(name: str) -> str | None:
         return None
     key = re.split(r"[.[]", name)[0]
     return next((_plain(section) for names, section in sections() if key in names), None)
+
+
+def of_ingredient(name: str) -> str | None:
+    """What the class of an ingredient says of itself and its keys, as of other packages; None where there is none.
+
+    Args:
+        name: key of a scene, or a key within it such as ``bed.quintic``.
+    """
+    key = name.partition(".")[0]
+    if (kind := registry.INGREDIENTS.get(key)) is None:
+        return None
+    meaning, rows = meanings(kind), ["| key | unit | default | meaning |", "|---|---|---|---|"]
+    for label, field in kind.model_fields.items():
+        symbols = [part.si for part in field.metadata if isinstance(part, units.Unit) and isinstance(part.si, str)]
+        default = "required" if field.is_required() else "" if field.default is None else str(field.default)
+        rows.append(f"| `{label}` | {''.join(symbols)} | {default} | {meaning.get(label, '')} |")
+    parts = [f"# {key}", inspect.getdoc(kind) or "", "\n".join(rows)]
+    parts += [f"```\n{key}: {kind.example}\n```"] if kind.example else []
+    return _plain("\n\n".join(parts))
+
+
+def meanings(model: type[BaseModel]) -> dict[str, str]:
+    """What stands below each field of a part of a scene, and of the types it is made from, or in the field itself."""
+    texts = {key: field.description or "" for key, field in model.model_fields.items()}
+    for parent in reversed(model.__mro__[: model.__mro__.index(BaseModel)]):
+        texts |= _below_fields(parent)
+    return texts
+
+
+@functools.cache
+def _below_fields(model: type) -> dict[str, str]:
+    """What stands below each field in the source of one type."""
+    try:
+        tree = ast.parse(textwrap.dedent(inspect.getsource(model))).body[0]
+    except (OSError, TypeError):  # made at run time
+        return {}
+    assert isinstance(tree, ast.ClassDef)
+    return {
+        field.target.id: " ".join(str(ast.literal_eval(text.value)).split())
+        for field, text in zip(tree.body, tree.body[1:], strict=False)
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(text, ast.Expr)
+    }
 
 
 def of_word(word: str) -> str | None:

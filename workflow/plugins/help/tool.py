@@ -48,7 +48,8 @@ def execute(arguments: argparse.Namespace) -> int:
         cli.main([word, "--help"])
     else:
         dotted = word.replace(" ", ".")
-        print(handbook.of_key(word) or _explanations(word) or handbook.of_key(dotted) or _mentions(word))
+        section = handbook.of_key(word) or _explanations(word) or handbook.of_key(dotted)
+        print(section or handbook.of_ingredient(dotted) or _mentions(word))
     return 0
 
 

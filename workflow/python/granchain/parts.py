@@ -61,6 +61,7 @@ if TYPE_CHECKING:
     from lammps_inputs import strict_yaml as strict_yaml
     from lammps_inputs import units as units
     from lammps_inputs import window as window
+    from lammps_inputs.deck_lines import DeckLines as DeckLines
     from lammps_inputs.decks import continuation as continuation
     from lammps_inputs.decks import deck as deck
     from lammps_inputs.decks import scene_files as scene_files
@@ -68,6 +69,7 @@ if TYPE_CHECKING:
     from lammps_inputs.ingredients import contact as contact
     from lammps_inputs.ingredients import registry as registry
     from lammps_inputs.ingredients import walls as walls
+    from lammps_inputs.ingredients.base import FurtherAtoms as FurtherAtoms
     from lammps_inputs.ingredients.base import Ingredient as Ingredient
     from lammps_inputs.ingredients.base import Setting as Setting
     from lammps_inputs.ingredients.unequal import radii as radii

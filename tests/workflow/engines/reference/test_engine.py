@@ -13,7 +13,10 @@ from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import EXCHANGES
 from lammps_inputs import Kick, Output, find, physics
+from lammps_inputs.laws import Law, Pure
+from lammps_inputs.laws.weight import Weight
 from lammps_inputs.limits.rates import stability_bound
+from lammps_inputs.links import Links
 from workflow.engines.reference.engine import blocks, default_steps_per_frame, make_state, passages, run
 from workflow.engines.reference.kernel import FrameArrays
 from workflow.engines.reference.schemes import BLANES_MOAN, SUZUKI4, VERLET
@@ -29,6 +32,43 @@ EPS = np.finfo(float).eps
 def problem(**changes):
     """Two chains of 12 rows to t = 10, a frame each 0.1."""
     return scene(**{"chains": 2, "beads": 12, "kappa": 0.1, "duration": 10.0, **changes}).problem()
+
+
+class Wind(Law):
+    """``-rate t``, a force on every bead that grows with time."""
+
+    varies = True
+
+    rate: Pure
+
+    @staticmethod
+    def force(s, t, rate):
+        """Force against the displacement, independent of it."""
+        return -rate * t + 0.0 * s
+
+    @staticmethod
+    def power(s, t, rate):  # noqa: ARG004
+        """Rate of ``-rate t s`` at a displacement."""
+        return -rate * s
+
+    @staticmethod
+    def stiffness(s, t, rate):  # noqa: ARG004
+        """No slope."""
+        return 0.0 * s
+
+    @staticmethod
+    def max_strain(energy, rate):  # noqa: ARG004
+        """0, as no energy bounds the displacement."""
+        return 0.0
+
+    @classmethod
+    def stiffest(cls, energy, *law):  # noqa: ARG003
+        """No slope."""
+        return 0.0
+
+    def now(self, t):
+        """The force at a time, as a weight."""
+        return Weight(self.rate * t, 1.0)
 
 
 def integrated(state, like, scheme, h, steps):
@@ -350,3 +390,13 @@ def test_a_window_behind_the_front_changes_no_bit_of_the_leading_pulse(chains, k
     ahead, same = (leading.bead <= 390 for leading in (windowed, whole))
     np.testing.assert_array_equal(windowed.arrival[ahead], whole.arrival[same])
     np.testing.assert_array_equal(windowed.peak_velocity[ahead], whole.peak_velocity[same])
+
+
+def test_a_law_in_time_moves_beads_at_rest_far_from_the_kick():
+    still = problem(chains=1, kappa=0.0, kick=Kick(bead=12, velocity=1.0))
+    wind = Links.ground("wind", Wind(0.1))
+    moved = run(replace(still, system=replace(still.system, links=(*still.system.links, wind))))
+    expected = 0.05 * moved.time[:, np.newaxis] ** 2 + (np.arange(12) == 11)  # v' = t / 10; the last bead flies off
+    np.testing.assert_allclose(moved.velocity[:, 0], expected, rtol=0.0, atol=1e-12)
+    with pytest.raises(ValueError, match="wind: a law that depends on time is that of links to the ground"):
+        Links.along("wind", Wind(0.1))
