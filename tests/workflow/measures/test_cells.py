@@ -45,6 +45,15 @@ def test_a_pulse_that_passes_no_whole_cell_carries_what_it_has_at_the_last_bead_
     assert np.isnan([found.per_cell, found.rate, found.per_cell_error, found.rate_error]).all()
 
 
+def test_the_last_bead_has_a_largest_energy_once_the_pulse_has_come_there(dimer):
+    """The kick gives 0.5, and that bead has the mass 0.3428; 40 T after it the pulse is at bead 39."""
+    there, before = (
+        CellMeter().read([run]).at_end(Survey(run.problem, run.blocks, "maximum"), 1) for run in (dimer, dimer[:800])
+    )
+    assert there == pytest.approx(0.3428 * np.max(dimer.velocity[:, 0, -1]) ** 2, rel=1e-12)
+    assert before is None
+
+
 def test_the_residual_energy_is_that_of_the_chain_that_was_kicked_the_hardest():
     kicks = [{"chain": 1, "velocity": 0.5}, {"chain": 2, "velocity": 1.0}]
     dimer = {"kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.6}}, "pattern": ["heavy", "light"]}

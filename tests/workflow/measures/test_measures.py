@@ -18,6 +18,7 @@ from workflow.measures.far_end import FarEndMeasurement, Transmitted
 from workflow.measures.forces.measurement import ForceMeasurement
 from workflow.measures.forces.readings import Readings
 from workflow.measures.forces.reflection import Reflection
+from workflow.measures.plastic import PlasticMeasurement, Yielded, YieldTable
 from workflow.measures.spectra import SpectrumMeasurement, VelocitySpectra
 from workflow.measures.window import LeftBehind, WindowMeter
 from workflow.screen import print_table
@@ -104,6 +105,19 @@ def test_each_measurement_has_the_numbers_units_and_sentences_that_are_its_own(u
             print(line) if isinstance(line, str) else print_table(*line)
         text += capsys.readouterr().out.splitlines()
     golden(units, "\n".join(text))
+
+
+def test_the_law_drawn_through_largest_forces_in_newtons_goes_through_forces_that_follow_it():
+    problem = of_keys(
+        beads=31, material=STEEL, contact={"yield": {"overlap": 0.1}}, kick={"velocity": 0.5}, duration=1e-3
+    )
+    contact, ones = np.arange(1, 31), np.ones(30, dtype=np.int64)
+    force, overlap = 0.3 * contact**-0.5, 0.2 / contact
+    table = YieldTable(ones, contact, overlap, force, 0.5 * overlap, ones, 0.1 * overlap)
+    forces = PlasticMeasurement(problem, Yielded(30, 0.1, 0.5, -0.5, 0.01), table).sheet().rows[0][0]
+    measured, law = forces.curves
+    np.testing.assert_allclose(measured.y, force * problem.scale.force, rtol=1e-12)
+    np.testing.assert_allclose(law.y, measured.y[15:], rtol=1e-12)
 
 
 def test_a_window_leaves_behind_the_largest_of_the_velocities_that_beads_had_when_it_left_them():
