@@ -9,6 +9,7 @@ import pytest
 from stock_lammps import scene
 
 from analysis import motion
+from analysis.compare.common_times import near_the_front
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import EXCHANGES
@@ -290,6 +291,19 @@ def test_a_window_of_forty_rows_has_the_front_of_the_full_run_bit_for_bit(chains
         front = np.flatnonzero((full.velocity[frame] != 0.0).any(axis=0))[-1]
         rows = slice(max(0, front - 8), front + 1)
         np.testing.assert_array_equal(seen.velocity[frame, :, rows], full.velocity[frame, :, rows])
+
+
+def test_frames_of_a_window_show_all_rows_until_the_pulse_has_passed_as_many_and_then_those_near_it_bit_for_bit():
+    like, seen = problem(beads=115, duration=120.0, every=0.5), 0
+    whole = run(like)
+    for block in blocks(replace(like, rows=like.rows.near_front(64))):
+        before = np.flatnonzero(whole.velocity[max(0, seen - 1)].any(axis=0))[-1] + 1
+        assert (block.first == 1) == (before < 64)
+        part, same = near_the_front(block), slice(seen, seen + block.frames)
+        np.testing.assert_array_equal(part.velocity, whole.velocity[same][..., part.beads - 1])
+        seen += block.frames
+    assert seen == whole.frames
+    assert before > 64
 
 
 # --- what is independent of it ----------------------------------------------------------------------------------------
