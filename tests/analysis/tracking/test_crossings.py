@@ -58,6 +58,18 @@ def test_a_slight_fall_after_the_start_is_no_maximum():
     assert len(entry) == 0
 
 
+def test_a_maximum_is_bracketed_that_a_bead_quickening_from_rest_has_right_after_the_start():
+    """Its slope begins at 0 and never exceeds the error before it falls through 0 between the first two samples."""
+    zero = 0.5 * PLACES[1]
+    slope, error = slopes(lambda s: s * (zero - s)), np.full(1, 1e-3)
+    rising, largest, perhaps = starts(slope, error, np.full(1, zero))
+    assert not (largest | perhaps).any()
+    entry, early, late, certain = falls(rising, error, slope.mean(axis=0))
+    assert (entry.tolist(), certain.tolist()) == ([0], [True])
+    assert PLACES[early[0] - 1] <= zero <= PLACES[late[0]]
+    assert slope[late[0], 0] <= -error[0] < slope[late[0] - 1, 0]
+
+
 def test_the_light_beads_of_a_dimer_have_the_first_of_two_maxima_in_frames_a_quarter_of_t_apart():
     """Their velocity has two maxima 0.28 T apart, 3e-5 V above what is between them."""
     run = integrated(small("dimer", beads=50, duration=50.0).problem())
