@@ -125,7 +125,7 @@ def test_the_law_drawn_through_largest_forces_in_newtons_goes_through_forces_tha
 def test_a_contact_has_begun_to_open_whose_overlap_is_less_than_its_largest():
     """The first is at its largest overlap, the second below it, and the third was never closed."""
     problem = of_keys(beads=4, contact={"yield": {"overlap": 0.1}}, kick={"velocity": 1.0}, duration=1.0)
-    x = np.array([0.75, 0.5, 0.25, 0.25])
+    x = np.array([0.75, 0.5, 0.25, 0.5])
     state = np.array([0.0, 0.25, 0.375, 0.0, 0.0])
     last = Trajectory(
         problem,
