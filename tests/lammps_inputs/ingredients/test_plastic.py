@@ -133,6 +133,18 @@ def test_walls_and_unlike_beads_yield_at_the_overlap_of_their_own_radius_and_mod
     assert onset == pytest.approx(0.1 * 0.5 * size / (2.0 * modulus) ** 2)
 
 
+@pytest.mark.parametrize(("side", "beads", "wall"), [("left", 3, "rigid"), ("right", 3, "flat"), ("right", 4, "bead")])
+def test_in_lammps_a_bead_leaves_a_wall_that_yields_with_the_closed_form_s_restitution(side, beads, wall, tmp_path):
+    """An end's contact is among the first pairs or the second, by whether the number of beads is odd."""
+    bead, velocity = (1, -1.0) if side == "left" else (beads, 1.0)
+    case = plastic(walls={side: wall}, gap=3.0, beads=beads, kick={"bead": bead, "velocity": velocity}, duration=8.0)
+    law = case.problem().system.walls[0].law
+    yields_from = math.sqrt(0.8 * float(np.max(law.strength)) * float(np.max(law.onset)) ** 2.5)
+    found = run_deck(case, tmp_path / "run").velocity[-1, 0]
+    assert -found[bead - 1] / velocity == pytest.approx(float(Thornton.restitution_at(1.0, yields_from)), abs=1e-4)
+    assert np.count_nonzero(found) == 1
+
+
 class Sized(Ingredient):
     """Contacts as strong as their solids are large, which a user's own ingredient may make."""
 
