@@ -26,7 +26,7 @@ from lammps_inputs.laws.dashpot import (
     Viscoelastic,
 )
 from lammps_inputs.laws.plastic import Thornton, WaltonBraun
-from lammps_inputs.laws.spring import Duffing, Instant, Linear
+from lammps_inputs.laws.spring import Duffing, Instant, Linear, Varying
 from lammps_inputs.layout import across_of, layout_of
 from lammps_inputs.links import Links
 
@@ -87,6 +87,22 @@ def test_spheres_push_with_the_overlap_to_the_power_3_over_2_and_so_does_that_po
     np.testing.assert_allclose(laws.force(Hertz(), s), s**1.5, rtol=1e-15)
     for of in (laws.force, laws.energy, laws.stiffness):
         assert of(Power(1.3, 1.5), s) == pytest.approx(of(Hertz(1.3), s), rel=1e-14)
+
+
+@pytest.mark.parametrize("depth", [0.0, 0.5], ids=["ramp", "modulated"])
+@pytest.mark.parametrize("time", [0.4, 2.1, 3.7], ids=["before", "during", "after"])
+def test_the_power_of_springs_that_vary_is_the_rate_of_their_energy_at_a_fixed_strain(depth, time):
+    """A stiffness of 0.9 falls to 0.5 from t = 1 to 3; forces are the slopes of energies at all times."""
+    law, strain, h = Varying(0.9, -0.2, 1.0, 3.0, depth, 1.3, 0.4), np.array([-0.7, 0.3, 2.0]), 1e-6
+    before, after = (law.energy(strain, t, *law) for t in (time - h, time + h))
+    np.testing.assert_allclose((after - before) / (2.0 * h), law.power(strain, time, *law), rtol=1e-8, atol=1e-9)
+    stiffness = np.interp(time, [1.0, 3.0], [0.9, 0.5]) * (1.0 + depth * math.sin(1.3 * time + 0.4))
+    np.testing.assert_allclose(law.energy(strain, time, *law), 0.5 * stiffness * strain**2, rtol=1e-14)
+    np.testing.assert_allclose(law.force(strain, time, *law), stiffness * strain, rtol=1e-14)
+    np.testing.assert_allclose(law.stiffness(strain, time, *law), np.full(3, stiffness), rtol=1e-14)
+    now = law.now(time)
+    np.testing.assert_allclose(now.force(strain, *now), stiffness * strain, rtol=1e-14)
+    np.testing.assert_allclose(0.5 * strain * now.change(strain, *now), law.power(strain, time, *law), rtol=1e-14)
 
 
 # --- under a static load ----------------------------------------------------------------------------------------------
