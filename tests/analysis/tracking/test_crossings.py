@@ -45,6 +45,8 @@ def test_pairs_of_frames_where_a_velocity_rises_little_may_hide_a_maximum_and_th
     (pairs,), slower = candidates(velocity, 1e-3)
     assert (pairs + 1).tolist() == [1, 2, 3]  # from 0.1 to 0.46
     assert not slower.any()
+    (pairs,), _ = candidates(velocity, 0.84)
+    assert (pairs + 1).tolist() == [2, 3]  # a frame has half of the smallest maximum
 
 
 def test_a_slight_fall_after_the_start_is_no_maximum():

@@ -162,6 +162,7 @@ def test_a_contact_pressed_so_many_times_bears_that_load(law):
 YIELDING = {
     "yielded": Thornton(1.7, 0.1),
     "yielded under a load": Thornton(1.7, 0.1).pressed_to(0.2),
+    "elastic under a load": Thornton(1.7, 0.1).pressed_to(0.03),
     "still elastic": Thornton(1.7, 0.6),
     "linear": WaltonBraun(1.7, 0.8),
 }
