@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from stock_lammps import scene
+from synthetic_waves import of_keys
 
 from analysis import motion
 from analysis.compare.common_times import near_the_front
@@ -15,7 +16,7 @@ from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import EXCHANGES
 from lammps_inputs import Kick, Output, find, physics
 from lammps_inputs.limits.rates import stability_bound
-from workflow.engines.reference.engine import blocks, default_steps_per_frame, make_state, passages, run
+from workflow.engines.reference.engine import blocks, brought_up, default_steps_per_frame, make_state, passages, run
 from workflow.engines.reference.kernel import FrameArrays
 from workflow.engines.reference.schemes import BLANES_MOAN, SUZUKI4, VERLET
 
@@ -269,6 +270,16 @@ def test_a_run_at_any_v_is_a_scaled_copy_of_the_run_at_1(speed):
     np.testing.assert_allclose(other.displacement, one.displacement, rtol=0, atol=bound)
 
 
+def test_a_bead_of_mass_2_that_swings_as_the_sine_brings_up_minus_the_square_of_that():
+    """Its velocity is the cosine: m / 2 (cos^2 - 1), in units of m V^2 with V the largest velocity."""
+    kinds = {"kinds": {"heavy": {"mass": 2.0}, "light": {}}, "pattern": ["heavy", "light"]}
+    drive = {"displacement": 0.1, "frequency": 0.2}
+    swung = of_keys(chains=1, beads=3, drive=drive, duration=5.0, **kinds)
+    time = np.linspace(0.0, 5.0, 11)
+    phase = 2.0 * np.pi * 0.2 * swung.scale.time * time
+    np.testing.assert_allclose(brought_up(swung, time), -(np.sin(phase) ** 2), rtol=0.0, atol=1e-12)
+
+
 # --- rows that are integrated -----------------------------------------------------------------------------------------
 
 
@@ -354,6 +365,12 @@ def test_leading_peaks_are_those_of_recorded_frames():
     # both interpolate steps of 0.1 with polynomials of degree 3 and 5: v h**4 / 384 with v about 10
     np.testing.assert_allclose(noted.peak_velocity[clear], recorded.peak_velocity[clear], atol=5e-6)
     np.testing.assert_allclose(noted.arrival[clear], recorded.arrival[clear], atol=5e-5)
+
+
+def test_no_peak_is_later_than_the_problem_s_end_however_many_calls_its_steps_take():
+    """In 1200 steps, of at most 1000 a call; the pulse passes a bead in 1.5."""
+    arrival = passages(problem(beads=80, duration=60.0), timestep=0.05).arrival
+    assert 58.0 < arrival.max() <= 60.0
 
 
 @pytest.mark.slow
