@@ -185,6 +185,8 @@ def test_a_contact_that_yields_opens_at_its_permanent_overlap_and_has_lost_what_
     assert float(largest.dissipated(*largest)) == pytest.approx(lost, rel=1e-8, abs=1e-10)
     assert float(law.max_strain(spent - load * top, *law)) == pytest.approx(top, rel=1e-8)
     assert float(law.next_state(top, *law)) == 0.5
+    unloading = float(largest.stiffness(top - 1e-9, *largest))
+    assert float(law.stiffest(spent - load * top, *law)) == pytest.approx(unloading, rel=1e-7)
     for of, s in ((law, 0.7 * top), (largest, 0.5 * (opens + top)), (largest, opens - 0.01)):
         slope = (of.force(s + 1e-6, *of) - of.force(s - 1e-6, *of)) / 2e-6
         assert float(of.stiffness(s, *of)) == pytest.approx(float(slope), rel=1e-7, abs=1e-9)
