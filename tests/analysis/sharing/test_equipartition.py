@@ -255,6 +255,7 @@ RULE = [  # 10 + 5 / kappa * (chains / 2)**1.6 beads
     ({"kick": {"bead": 2, "velocity": 1.0}}, None),
     ({"kick": [{"velocity": 1.0}, {"chain": 2, "velocity": 0.5}]}, None),
     ({"contact": {"exponent": 2}}, None),
+    ({"contact": {"strength": 2}}, None),
     ({"disorder": {"mass": 1e-3}}, None),
     ({"push": {"peak": 0.1, "duration": 3.0, "shape": "half-sine"}}, None),
     ({"damping": {"contact": 1e-3}}, None),
@@ -294,6 +295,16 @@ def test_the_law_expects_a_spring_for_each_neighbour(chain, springs):
     shared = Sharing(chain - 1, bead, np.zeros((118, 4)), amplitude, 0.5)
     fit = fit_decay(shared, problem(4, 0.002, kicks=[Kick(chain=chain, velocity=1.0)]))
     assert fit.n_star_expected == pytest.approx(2.709 / (0.002 * springs), rel=2e-4)
+
+
+def test_contacts_32_times_as_strong_decay_as_others_do_on_a_sixteenth_of_the_springs():
+    """Both are the same motion, four times as fast."""
+    bead = np.arange(2, 120)
+    amplitude = np.stack([SINGLE_CHAIN * (1.0 - (bead - 1) / 500.0) ** 2.5, 0.01 + 0.0 * bead], axis=1)
+    shared = Sharing(0, bead, np.zeros((118, 2)), amplitude, 0.5)
+    keys = {"chains": 2, "beads": 120, "kick": {"velocity": 1.0}, "duration": 1.0}
+    strong = of_keys(**keys, coupling={"stiffness": 0.032}, contact={"strength": 32.0})
+    assert fit_decay(shared, strong).n_star_expected == pytest.approx(expected_n_star(0.002), rel=1e-12)
 
 
 @settings(max_examples=30)
