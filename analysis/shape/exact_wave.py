@@ -148,7 +148,7 @@ class SolitaryWave:
 
     @property
     def steepest(self) -> float:
-        """Bound on the slope of `velocity`, per bead: of ``(A r(xi + 1/2)**n - A r(xi - 1/2)**n) / c``, by Newton's law."""
+        """Bound on the slope of `velocity` per bead: by Newton's law ``c v' = A r(xi + 1/2)**n - A r(xi - 1/2)**n``."""
         return float(self.strength * self.peak_overlap**self.exponent / self.speed)
 
     def speed_at(self, peak_velocity: ArrayLike) -> Floats:

@@ -1,6 +1,8 @@
 """Known beads of agreement, and synthetic sharings of known mismatch, beat and decay."""
 
 import functools
+import itertools
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -415,6 +417,19 @@ def test_a_beat_length_moves_within_its_uncertainty_when_amplitudes_err(seed):
     bounded, moved = with_error(beating(0.36, 30.0, 80.0, 100), 1e-3, seed)
     assert bounded.beat_length.uncertainty > 5.0 * beating(0.36, 30.0, 80.0, 100).beat_length.uncertainty
     assert abs(moved.beat_length.value - bounded.beat_length.value) <= bounded.beat_length.uncertainty
+
+
+def test_errors_of_amplitudes_make_the_bead_of_agreement_as_much_less_certain_as_the_line_through_the_last_tops():
+    """Amplitudes a off make the logarithm of a mismatch m ``(2 / m + 1) a`` off, over their mean."""
+    exact = beating(0.36, 30.0, 80.0, 100)
+    halves = itertools.pairwise(exact.beats)
+    tops = [max((m, n) for n, m in zip(exact.bead, exact.mismatch, strict=True) if a <= n <= b) for a, b in halves]
+    mismatch, bead = np.array(tops[-3:]).T
+    errors = 1e-3 / 0.36 * (2.0 / mismatch + 1.0)
+    grown = error_of_crossing(bead, np.log(mismatch), math.log(0.01), errors)
+    less, more = (each.expected_agreement(0.01).uncertainty for each in (exact, with_error(exact, 1e-3)[0]))
+    assert mismatch.max() > 0.2
+    assert more - less == pytest.approx(grown, rel=1e-9)
 
 
 @settings(max_examples=50)
