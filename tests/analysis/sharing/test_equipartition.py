@@ -434,9 +434,13 @@ def test_errors_of_amplitudes_make_the_bead_of_agreement_as_much_less_certain_as
 
 @settings(max_examples=50)
 @given(st.integers(3, 40), st.floats(1e-6, 1e-4), st.integers(0, 10**6))
-def test_a_crossing_of_a_fitted_line_moves_by_at_most_its_error_and_by_as_much_in_the_worst_case(count, size, seed):
-    places, level = np.arange(10.0, 10.0 + count), 0.2
+@pytest.mark.parametrize("level", [0.2, None], ids=["ahead", "in the middle"])
+def test_a_crossing_of_a_fitted_line_moves_by_at_most_its_error_and_by_as_much_in_the_worst_case(
+    level, count, size, seed
+):
+    places = np.arange(10.0, 10.0 + count)
     values = 1.0 - 0.01 * places
+    level = np.mean(values) if level is None else level
     bound = error_of_crossing(places, values, level, np.full(count, size))
 
     def crossing(signs: np.ndarray) -> float:
