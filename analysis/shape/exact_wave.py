@@ -33,7 +33,7 @@ Examples:
     array([1.    , 0.3263, 0.0087])
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -41,7 +41,7 @@ from numpy.typing import ArrayLike
 
 from analysis import hermite
 from analysis.trajectory import Floats, Integers
-from lammps_inputs import System, physics
+from lammps_inputs import System, laws, physics
 from lammps_inputs.facts import Fact
 
 HERTZ = 1.5
@@ -119,6 +119,20 @@ class SolitaryWave:
     """Full width at half maximum of the velocity, beads."""
     _velocity: _Profile = field(repr=False, compare=False)
     _overlap: _Profile = field(repr=False, compare=False)
+    strength: float = 1.0
+    """A of the contact force ``A overlap**n``, in units of the scale's contact constant."""
+
+    def of_strength(self, strength: float) -> "SolitaryWave":
+        """The wave in contacts so many times as strong: as much faster as overlaps are smaller, velocities alike."""
+        factor = strength ** (1.0 / (self.exponent + 1.0))
+        return replace(
+            self,
+            speed=self.speed * factor,
+            peak_overlap=self.peak_overlap / factor,
+            shift=self.shift / factor,
+            strength=self.strength * strength,
+            _overlap=replace(self._overlap, polynomials=self._overlap.polynomials / factor),
+        )
 
     def velocity(self, xi: ArrayLike) -> Floats:
         """Velocity of a bead at a distance xi (any shape, beads) ahead of the peak; 1 at 0, and even."""
@@ -134,8 +148,8 @@ class SolitaryWave:
 
     @property
     def steepest(self) -> float:
-        """Bound on the slope of `velocity`, per bead: by Newton's law ``c v' = r(xi + 1/2)**n - r(xi - 1/2)**n``."""
-        return float(self.peak_overlap**self.exponent / self.speed)
+        """Bound on the slope of `velocity` per bead: by Newton's law ``c v' = A r(xi + 1/2)**n - A r(xi - 1/2)**n``."""
+        return float(self.strength * self.peak_overlap**self.exponent / self.speed)
 
     def speed_at(self, peak_velocity: ArrayLike) -> Floats:
         """Speed in beads / T at a peak velocity (any shape, in V)."""
@@ -288,6 +302,11 @@ def has_wave(system: System) -> bool:
 
 
 def wave_of(system: System) -> SolitaryWave:
-    """The exact wave of the contacts; that of spheres where there is none, as a measure of how long a pulse takes."""
-    exponent = physics.exponent(system) if has_wave(system) else None
-    return solitary_wave(HERTZ if exponent is None else exponent)
+    """The exact wave of the contacts; that of spheres where there is none, as a measure of how long a pulse takes.
+
+    Where the contacts differ in strength it is that of a strength of 1.
+    """
+    if not has_wave(system):
+        return solitary_wave()
+    wave, strength = solitary_wave(physics.exponent(system) or HERTZ), laws.strength(system.along[0].law)
+    return wave if np.ndim(strength) or strength == 1.0 else wave.of_strength(float(strength))

@@ -31,9 +31,11 @@ from analysis.figures.panels import (
 from analysis.figures.studies import Sought, StudyAxis, histogram_figure, logarithmic, map_figure, swept_figure
 from analysis.figures.waves import passage, pulses, time_title
 from analysis.files.traces import Channel, Traces
+from analysis.sharing.energies import Flow
 from analysis.statistics import histogram, statistics
 from lammps_inputs import Kick, Material, library
 from lammps_inputs.units import Label, make_scale
+from workflow.measures.energy import EnergyMeasurement
 from workflow.runs.run import run
 from workflow.verdicts.analyse import measure
 
@@ -123,7 +125,15 @@ def validation():
     return validation_figure(hit(), edges, deviations, limits, "reference")
 
 
-COMPARED = {"residuals-si": residuals, "validation-si": validation}
+def actions():
+    """All energy passes from one of two chains on springs that vary into the other, from one mode into both."""
+    problem = of_keys(chains=2, beads=9, coupling={"stiffness": 0.1}, kick={"velocity": 1.0}, duration=4.0)
+    share = np.linspace([1.0, 0.0], [0.0, 1.0], 5)
+    flow = Flow(np.arange(5.0), share, np.zeros(5), 1.0 + 2.0 * share, share * (1.0 - share), 0.5 + 0.5 * share)
+    return draw(EnergyMeasurement(problem, flow).sheet())
+
+
+COMPARED = {"action": actions, "residuals-si": residuals, "validation-si": validation}
 
 # --- figures of studies, and what all figures share -------------------------------------------------------------------
 

@@ -154,3 +154,16 @@ def test_error_of_the_long_wave_theory_vanishes_with_n_minus_one_at_its_order(qu
     steps = np.array([0.02, 0.04, 0.08])
     errors = [abs(getattr(nesterenko(1 + s), quantity) / getattr(solitary_wave(1 + s), quantity) - 1) for s in steps]
     assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(order, abs=0.05)
+
+
+def test_a_wave_in_stronger_contacts_obeys_newton_s_law_with_their_force():
+    """``c v' = A r(xi + 1/2)**n - A r(xi - 1/2)**n``, and overlaps are differences of displacements."""
+    wave, xi, h = solitary_wave(1.5).of_strength(7.0), np.linspace(-2.0, 2.0, 41), 1e-4
+    slope = (wave.velocity(xi + h) - wave.velocity(xi - h)) / (2.0 * h)
+    ahead, behind = (7.0 * np.maximum(wave.overlap(xi + side), 0.0) ** 1.5 for side in (0.5, -0.5))
+    np.testing.assert_allclose(wave.speed * slope, ahead - behind, rtol=0.0, atol=1e-6)
+    apart = wave.displacement(xi - 0.5) - wave.displacement(xi + 0.5)
+    np.testing.assert_allclose(apart, wave.overlap(xi), rtol=0.0, atol=1e-9)
+    assert wave.shift == pytest.approx(float(wave.displacement(-20.0)), rel=1e-9)
+    assert wave.peak_overlap == pytest.approx(float(wave.overlap(0.0)), rel=1e-12)
+    assert np.max(np.abs(slope)) <= wave.steepest

@@ -1,6 +1,8 @@
 """Known beads of agreement, and synthetic sharings of known mismatch, beat and decay."""
 
 import functools
+import itertools
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -30,12 +32,12 @@ def run(chains: int, kappa: float) -> Survey:
     return surveyed(reference(chains, kappa, *RUNS[chains, kappa]))
 
 
-def beating(level: float, beat: float, decay: float, last: int = 200, first: int = 2) -> Sharing:
-    """Two chains whose amplitudes beat about a level and come to agree: cos(2 pi n / beat) exp(-n / decay)."""
+def beating(level: float, beat: float, decay: float, last: int = 200, first: int = 2, chains: int = 2) -> Sharing:
+    """Amplitudes of the first chain and of all others beat about a level: cos(2 pi n / beat) exp(-n / decay)."""
     bead = np.arange(first, last + 1)
     deviation = 0.5 * np.cos(2.0 * np.pi * bead / beat) * np.exp(-bead / decay)
-    amplitude = level * np.stack([1.0 + deviation, 1.0 - deviation], axis=1)
-    arrival = np.stack([bead / 0.74, bead / 0.74], axis=1)
+    amplitude = level * np.stack([1.0 + deviation, *[1.0 - deviation] * (chains - 1)], axis=1)
+    arrival = np.stack([bead / 0.74] * chains, axis=1)
     return Sharing(0, bead, arrival, amplitude, 0.5)
 
 
@@ -155,6 +157,21 @@ def test_agreement_is_foretold_within_its_uncertainty(beat, decay):
     assert expected.uncertainty <= beat + 0.3 * max(expected.value - 100.0, 0.0)  # half the way on only after two beats
 
 
+@pytest.mark.parametrize(
+    ("chains", "kicked", "foretold"),
+    [(2, 2, True), (4, 1, True), (4, 2, True), (5, 1, True), (5, 2, False), (5, 4, False), (5, 5, True)],
+)
+def test_the_beats_foretell_agreement_unless_an_inner_chain_of_more_than_four_was_kicked(chains, kicked, foretold):
+    """The rule of thumb gives a bead that has passed already."""
+    keys = {"chains": chains, "coupling": {"stiffness": 0.3}, "kick": {"chain": kicked, "velocity": 1.0}}
+    whole, cut = (replace(beating(0.36, 30.0, 40.0, last, 2, chains), kicked=kicked - 1) for last in (400, 130))
+    expected = verdict_on(cut, of_keys(**keys, beads=400, duration=1.0), None).expected
+    if foretold:
+        assert abs(expected.value - whole.agrees_from(0.01)) <= expected.uncertainty
+    else:
+        assert expected is None
+
+
 def test_agreement_needs_half_a_beat_to_count():
     shared = beating(0.36, 40.0, 1e9, 70)
     near_zero = shared.mismatch < 0.1
@@ -240,6 +257,7 @@ RULE = [  # 10 + 5 / kappa * (chains / 2)**1.6 beads
     ({"kick": {"bead": 2, "velocity": 1.0}}, None),
     ({"kick": [{"velocity": 1.0}, {"chain": 2, "velocity": 0.5}]}, None),
     ({"contact": {"exponent": 2}}, None),
+    ({"contact": {"strength": 2}}, None),
     ({"disorder": {"mass": 1e-3}}, None),
     ({"push": {"peak": 0.1, "duration": 3.0, "shape": "half-sine"}}, None),
     ({"damping": {"contact": 1e-3}}, None),
@@ -279,6 +297,16 @@ def test_the_law_expects_a_spring_for_each_neighbour(chain, springs):
     shared = Sharing(chain - 1, bead, np.zeros((118, 4)), amplitude, 0.5)
     fit = fit_decay(shared, problem(4, 0.002, kicks=[Kick(chain=chain, velocity=1.0)]))
     assert fit.n_star_expected == pytest.approx(2.709 / (0.002 * springs), rel=2e-4)
+
+
+def test_contacts_32_times_as_strong_decay_as_others_do_on_a_sixteenth_of_the_springs():
+    """Both are the same motion, four times as fast."""
+    bead = np.arange(2, 120)
+    amplitude = np.stack([SINGLE_CHAIN * (1.0 - (bead - 1) / 500.0) ** 2.5, 0.01 + 0.0 * bead], axis=1)
+    shared = Sharing(0, bead, np.zeros((118, 2)), amplitude, 0.5)
+    keys = {"chains": 2, "beads": 120, "kick": {"velocity": 1.0}, "duration": 1.0}
+    strong = of_keys(**keys, coupling={"stiffness": 0.032}, contact={"strength": 32.0})
+    assert fit_decay(shared, strong).n_star_expected == pytest.approx(expected_n_star(0.002), rel=1e-12)
 
 
 @settings(max_examples=30)
@@ -391,11 +419,28 @@ def test_a_beat_length_moves_within_its_uncertainty_when_amplitudes_err(seed):
     assert abs(moved.beat_length.value - bounded.beat_length.value) <= bounded.beat_length.uncertainty
 
 
+def test_errors_of_amplitudes_make_the_bead_of_agreement_as_much_less_certain_as_the_line_through_the_last_tops():
+    """Amplitudes a off make the logarithm of a mismatch m ``(2 / m + 1) a`` off, over their mean."""
+    exact = beating(0.36, 30.0, 80.0, 100)
+    halves = itertools.pairwise(exact.beats)
+    tops = [max((m, n) for n, m in zip(exact.bead, exact.mismatch, strict=True) if a <= n <= b) for a, b in halves]
+    mismatch, bead = np.array(tops[-3:]).T
+    errors = 1e-3 / 0.36 * (2.0 / mismatch + 1.0)
+    grown = error_of_crossing(bead, np.log(mismatch), math.log(0.01), errors)
+    less, more = (each.expected_agreement(0.01).uncertainty for each in (exact, with_error(exact, 1e-3)[0]))
+    assert mismatch.max() > 0.2
+    assert more - less == pytest.approx(grown, rel=1e-9)
+
+
 @settings(max_examples=50)
 @given(st.integers(3, 40), st.floats(1e-6, 1e-4), st.integers(0, 10**6))
-def test_a_crossing_of_a_fitted_line_moves_by_at_most_its_error_and_by_as_much_in_the_worst_case(count, size, seed):
-    places, level = np.arange(10.0, 10.0 + count), 0.2
+@pytest.mark.parametrize("level", [0.2, None], ids=["ahead", "in the middle"])
+def test_a_crossing_of_a_fitted_line_moves_by_at_most_its_error_and_by_as_much_in_the_worst_case(
+    level, count, size, seed
+):
+    places = np.arange(10.0, 10.0 + count)
     values = 1.0 - 0.01 * places
+    level = np.mean(values) if level is None else level
     bound = error_of_crossing(places, values, level, np.full(count, size))
 
     def crossing(signs: np.ndarray) -> float:

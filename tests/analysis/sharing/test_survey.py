@@ -187,6 +187,19 @@ def test_a_tolerance_decides_what_is_solitary():
     assert surveyed(trajectory).characters[0].fails == ()
 
 
+@pytest.mark.parametrize("exponent", [1.5, 2.0])
+def test_the_pulse_of_contacts_of_strength_30_is_the_exact_wave_of_these(exponent):
+    """Its speed is 30**(1 / (n + 1)) times that in contacts of strength 1."""
+    factor = 30.0 ** (1.0 / (exponent + 1.0))
+    contact = {"exponent": exponent, "strength": 30.0}
+    run = engine.run(of_keys(chains=1, beads=60, contact=contact, kick={"velocity": 1.0}, duration=65.0 / factor))
+    (character,) = surveyed(run).characters
+    assert character.fails == ()
+    assert character.speed_excess == pytest.approx(0.0, abs=1e-4)
+    expected = factor * float(solitary_wave(exponent).speed_at(character.peak_velocity))
+    assert character.speed == pytest.approx(expected, rel=1e-4)
+
+
 SHAPE = {
     "width": 1.6,
     "width_error": 0.0,

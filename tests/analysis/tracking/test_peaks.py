@@ -339,6 +339,25 @@ def test_what_no_polynomial_follows_is_what_hermites_misses(power, away, between
     np.testing.assert_allclose(found, MARGIN * worst, rtol=0.12, atol=1e-12)
 
 
+@pytest.mark.parametrize("every", [0.1, 0.5, 1.0])
+def test_maxima_of_four_times_as_fast_a_motion_in_frames_as_much_closer_are_the_same(every):
+    """Contacts 4**2.5 and springs 4**2 times as strong: the same velocities at a quarter of the times."""
+
+    def scaled(factor):
+        keys = {"coupling": {"stiffness": 0.1 * factor**2}, "contact": {"strength": factor**2.5}}
+        keys |= {name: value / factor for name, value in (("duration", 16.0), ("timestep", 0.0125))}
+        return of_keys(chains=2, beads=16, kick={"velocity": 1.0}, output={"every": every / factor}, **keys)
+
+    run = engine.run(scaled(1.0))
+    slow, fast = (
+        find_peaks([run]),
+        find_peaks([Trajectory(scaled(4.0), run.time / 4.0, run.displacement / 4.0, run.velocity)]),
+    )
+    assert len(slow.time) > 20
+    np.testing.assert_allclose(fast.velocity, slow.velocity, rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(4.0 * fast.time, slow.time, rtol=0.0, atol=1e-11)
+
+
 def test_a_force_that_begins_between_two_frames_begins_after_the_first_however_far_away_it_seems_to():
     near, far = unfollowed(1.5, np.array([1.5, 1.9]), np.array([True, True])).T
     assert np.array_equal(near, far)

@@ -75,6 +75,19 @@ def test_frames_hold_the_resonators_and_tables_of_beads_do_not(tmp_path, lammps_
     assert np.max(np.abs(shares.missing)) < 1e-4
 
 
+def test_in_lammps_a_bead_and_the_damped_mass_inside_it_swing_about_their_centre_of_mass(tmp_path, lammps_here):  # noqa: ARG001
+    """The bead flies freely: m w' = -k s - c w of their distance s, with the reduced mass m."""
+    inner = {"mass": 0.5, "stiffness": 0.3, "damping": 0.2, "rows": [2, 3]}
+    case = small(inner, beads=5, gap=20.0, kick={"bead": 3, "velocity": 1.0}, duration=8.0, timestep=0.002)
+    found, reduced = run(case, tmp_path / "run", check=False).trajectory, 0.5 / 1.5
+    gamma, t = 0.2 / (2.0 * reduced), found.time
+    omega = math.sqrt(0.3 / reduced - gamma**2)
+    apart = np.exp(-gamma * t) * (np.cos(omega * t) - gamma / omega * np.sin(omega * t))
+    np.testing.assert_allclose(found.velocity[:, 0, 2], (1.0 + 0.5 * apart) / 1.5, rtol=0.0, atol=1e-3)
+    np.testing.assert_allclose(found.further_lines[:, 1, 0, 2], (1.0 - apart) / 1.5, rtol=0.0, atol=1e-3)
+    assert not np.any(np.delete(found.velocity[:, 0], 2, axis=1))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "contact", [{"exponent": 2.4}, {"force": "A/(d+s)^p", "A": 1.0, "d": 1.0, "p": 4.0}], ids=["overlapping", "magnets"]

@@ -26,7 +26,7 @@ from lammps_inputs.laws.dashpot import (
     Viscoelastic,
 )
 from lammps_inputs.laws.plastic import Thornton, WaltonBraun
-from lammps_inputs.laws.spring import Duffing, Instant, Linear
+from lammps_inputs.laws.spring import Duffing, Instant, Linear, Varying
 from lammps_inputs.layout import across_of, layout_of
 from lammps_inputs.links import Links
 
@@ -89,6 +89,22 @@ def test_spheres_push_with_the_overlap_to_the_power_3_over_2_and_so_does_that_po
         assert of(Power(1.3, 1.5), s) == pytest.approx(of(Hertz(1.3), s), rel=1e-14)
 
 
+@pytest.mark.parametrize("depth", [0.0, 0.5], ids=["ramp", "modulated"])
+@pytest.mark.parametrize("time", [0.4, 2.1, 3.7], ids=["before", "during", "after"])
+def test_the_power_of_springs_that_vary_is_the_rate_of_their_energy_at_a_fixed_strain(depth, time):
+    """A stiffness of 0.9 falls to 0.5 from t = 1 to 3; forces are the slopes of energies at all times."""
+    law, strain, h = Varying(0.9, -0.2, 1.0, 3.0, depth, 1.3, 0.4), np.array([-0.7, 0.3, 2.0]), 1e-6
+    before, after = (law.energy(strain, t, *law) for t in (time - h, time + h))
+    np.testing.assert_allclose((after - before) / (2.0 * h), law.power(strain, time, *law), rtol=1e-8, atol=1e-9)
+    stiffness = np.interp(time, [1.0, 3.0], [0.9, 0.5]) * (1.0 + depth * math.sin(1.3 * time + 0.4))
+    np.testing.assert_allclose(law.energy(strain, time, *law), 0.5 * stiffness * strain**2, rtol=1e-14)
+    np.testing.assert_allclose(law.force(strain, time, *law), stiffness * strain, rtol=1e-14)
+    np.testing.assert_allclose(law.stiffness(strain, time, *law), np.full(3, stiffness), rtol=1e-14)
+    now = law.now(time)
+    np.testing.assert_allclose(now.force(strain, *now), stiffness * strain, rtol=1e-14)
+    np.testing.assert_allclose(0.5 * strain * now.change(strain, *now), law.power(strain, time, *law), rtol=1e-14)
+
+
 # --- under a static load ----------------------------------------------------------------------------------------------
 
 
@@ -146,6 +162,7 @@ def test_a_contact_pressed_so_many_times_bears_that_load(law):
 YIELDING = {
     "yielded": Thornton(1.7, 0.1),
     "yielded under a load": Thornton(1.7, 0.1).pressed_to(0.2),
+    "elastic under a load": Thornton(1.7, 0.1).pressed_to(0.03),
     "still elastic": Thornton(1.7, 0.6),
     "linear": WaltonBraun(1.7, 0.8),
 }
@@ -168,6 +185,8 @@ def test_a_contact_that_yields_opens_at_its_permanent_overlap_and_has_lost_what_
     assert float(largest.dissipated(*largest)) == pytest.approx(lost, rel=1e-8, abs=1e-10)
     assert float(law.max_strain(spent - load * top, *law)) == pytest.approx(top, rel=1e-8)
     assert float(law.next_state(top, *law)) == 0.5
+    unloading = float(largest.stiffness(top - 1e-9, *largest))
+    assert float(law.stiffest(spent - load * top, *law)) == pytest.approx(unloading, rel=1e-7)
     for of, s in ((law, 0.7 * top), (largest, 0.5 * (opens + top)), (largest, opens - 0.01)):
         slope = (of.force(s + 1e-6, *of) - of.force(s - 1e-6, *of)) / 2e-6
         assert float(of.stiffness(s, *of)) == pytest.approx(float(slope), rel=1e-7, abs=1e-9)

@@ -137,6 +137,7 @@ def test_uncertainties_hold_in_95_percent_of_derivatives_of_scenes_of_all_ingred
                 assert line.derivative is not None
                 decisive.append(error < 0.5 * line.uncertainty)
                 held.append(abs(line.derivative - value) <= line.uncertainty + error)
+    # of 91 derivatives of which 85 of 100 held, 95 of 100 would by a chance of 1 in 780, were they independent
     assert len(held) > 90
     assert np.mean(held) >= 0.95
     assert np.mean(decisive) >= 0.9  # less accurate differences would show nothing

@@ -220,11 +220,13 @@ def test_under_a_load_the_dwell_is_that_above_it(size):
     assert readings.last[0, 0] == pytest.approx(0.0, abs=1e-9)
 
 
-@pytest.mark.parametrize(("until", "last"), [(7.0, 0.75), (4.0, 1.0)])
-def test_a_dwell_is_so_far_where_the_record_ends_inside_the_pulse(until, last):
+@pytest.mark.parametrize(("until", "last", "most"), [(7.0, 0.75, 1.0), (4.0, 1.0, 0.25)])
+def test_a_dwell_is_so_far_where_the_record_ends_inside_the_pulse(until, last, most):
+    """It begins at a hundredth of the largest force so far, which is that share of the pulse's."""
     readings = pressed_by(0.2, until)
     assert not readings.ended[0, 0]
-    assert readings.dwell[0, 0] == pytest.approx(until - readings.time[0] - 3.0, abs=0.3)
+    begins = 3.0 + 6.0 / np.pi * math.asin(0.1 * math.sqrt(most))
+    assert readings.dwell[0, 0] == pytest.approx(until - begins, abs=1e-3)
     assert readings.last[0, 0] == pytest.approx(last, abs=0.01)
 
 

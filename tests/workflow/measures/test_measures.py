@@ -12,12 +12,14 @@ from synthetic_waves import of_keys
 from analysis.gauges.gauge import gauges as places_of
 from analysis.quantity import csv_of
 from analysis.sharing.energies import Flow
+from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, Material, library
 from workflow.measures.energy import EnergyMeasurement
 from workflow.measures.far_end import FarEndMeasurement, Transmitted
 from workflow.measures.forces.measurement import ForceMeasurement
 from workflow.measures.forces.readings import Readings
 from workflow.measures.forces.reflection import Reflection
+from workflow.measures.plastic import PlasticMeasurement, Yielded, YieldMeter, YieldTable
 from workflow.measures.spectra import SpectrumMeasurement, VelocitySpectra
 from workflow.measures.window import LeftBehind, WindowMeter
 from workflow.screen import print_table
@@ -104,6 +106,42 @@ def test_each_measurement_has_the_numbers_units_and_sentences_that_are_its_own(u
             print(line) if isinstance(line, str) else print_table(*line)
         text += capsys.readouterr().out.splitlines()
     golden(units, "\n".join(text))
+
+
+def test_the_law_drawn_through_largest_forces_in_newtons_goes_through_forces_that_follow_it():
+    problem = of_keys(
+        beads=31, material=STEEL, contact={"yield": {"overlap": 0.1}}, kick={"velocity": 0.5}, duration=1e-3
+    )
+    contact, ones = np.arange(1, 31), np.ones(30, dtype=np.int64)
+    force, overlap = 0.3 * contact**-0.5, 0.2 / contact
+    table = YieldTable(ones, contact, overlap, force, 0.5 * overlap, ones, 0.1 * overlap)
+    values = Yielded(30, 0.1, 0.5, -0.5, 0.01)
+    measured, law = PlasticMeasurement(problem, values, table).sheet().rows[0][0].curves
+    np.testing.assert_allclose(measured.y, force * problem.scale.force, rtol=1e-12)
+    np.testing.assert_allclose(law.y, measured.y[15:], rtol=1e-12)
+    assert PlasticMeasurement(problem, values, replace(table, permanent=0.0 * overlap)).sheet() is None
+
+
+def test_a_contact_has_begun_to_open_whose_overlap_is_less_than_its_largest():
+    """The first is at its largest overlap, the second below it, and the third was never closed."""
+    problem = of_keys(beads=4, contact={"yield": {"overlap": 0.1}}, kick={"velocity": 1.0}, duration=1.0)
+    x = np.array([0.75, 0.5, 0.25, 0.5])
+    state = np.array([0.0, 0.25, 0.375, 0.0, 0.0])
+    last = Trajectory(
+        problem,
+        np.ones(1),
+        *(row[np.newaxis, np.newaxis] for row in (x, 0.0 * x)),
+        contact_state=state[np.newaxis, np.newaxis],
+    )
+    yielded, table = YieldMeter().read([last])
+    assert table.opened.tolist() == [0, 1, 0]
+    assert table.overlap.tolist() == [0.25, 0.375, 0.0]
+    onset, largest = 0.1, np.array([0.25, 0.375])
+    force = np.sqrt(onset) * (1.5 * largest - 0.5 * onset)
+    np.testing.assert_allclose(table.force, [*force, 0.0], rtol=1e-12)
+    share = np.sqrt(onset / largest) * (1.5 - 0.5 * onset / largest)
+    np.testing.assert_allclose(table.permanent, [*largest * (1.0 - share), 0.0], rtol=1e-12)
+    assert (yielded.contacts, yielded.permanent) == (2, table.permanent[1])
 
 
 def test_a_window_leaves_behind_the_largest_of_the_velocities_that_beads_had_when_it_left_them():

@@ -7,8 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from stock_lammps import scene
+from synthetic_waves import of_keys
 
 from analysis import motion
+from analysis.compare.common_times import near_the_front
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import EXCHANGES
@@ -17,7 +19,7 @@ from lammps_inputs.laws import Law, Pure
 from lammps_inputs.laws.weight import Weight
 from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.links import Links
-from workflow.engines.reference.engine import blocks, default_steps_per_frame, make_state, passages, run
+from workflow.engines.reference.engine import blocks, brought_up, default_steps_per_frame, make_state, passages, run
 from workflow.engines.reference.kernel import FrameArrays
 from workflow.engines.reference.schemes import BLANES_MOAN, SUZUKI4, VERLET
 
@@ -308,6 +310,16 @@ def test_a_run_at_any_v_is_a_scaled_copy_of_the_run_at_1(speed):
     np.testing.assert_allclose(other.displacement, one.displacement, rtol=0, atol=bound)
 
 
+def test_a_bead_of_mass_2_that_swings_as_the_sine_brings_up_minus_the_square_of_that():
+    """Its velocity is the cosine: m / 2 (cos^2 - 1), in units of m V^2 with V the largest velocity."""
+    kinds = {"kinds": {"heavy": {"mass": 2.0}, "light": {}}, "pattern": ["heavy", "light"]}
+    drive = {"displacement": 0.1, "frequency": 0.2}
+    swung = of_keys(chains=1, beads=3, drive=drive, duration=5.0, **kinds)
+    time = np.linspace(0.0, 5.0, 11)
+    phase = 2.0 * np.pi * 0.2 * swung.scale.time * time
+    np.testing.assert_allclose(brought_up(swung, time), -(np.sin(phase) ** 2), rtol=0.0, atol=1e-12)
+
+
 # --- rows that are integrated -----------------------------------------------------------------------------------------
 
 
@@ -330,6 +342,19 @@ def test_a_window_of_forty_rows_has_the_front_of_the_full_run_bit_for_bit(chains
         front = np.flatnonzero((full.velocity[frame] != 0.0).any(axis=0))[-1]
         rows = slice(max(0, front - 8), front + 1)
         np.testing.assert_array_equal(seen.velocity[frame, :, rows], full.velocity[frame, :, rows])
+
+
+def test_frames_of_a_window_show_all_rows_until_the_pulse_has_passed_as_many_and_then_those_near_it_bit_for_bit():
+    like, seen = problem(beads=115, duration=120.0, every=0.5), 0
+    whole = run(like)
+    for block in blocks(replace(like, rows=like.rows.near_front(64))):
+        before = np.flatnonzero(whole.velocity[max(0, seen - 1)].any(axis=0))[-1] + 1
+        assert (block.first == 1) == (before < 64)
+        part, same = near_the_front(block), slice(seen, seen + block.frames)
+        np.testing.assert_array_equal(part.velocity, whole.velocity[same][..., part.beads - 1])
+        seen += block.frames
+    assert seen == whole.frames
+    assert before > 64
 
 
 # --- what is independent of it ----------------------------------------------------------------------------------------
@@ -380,6 +405,12 @@ def test_leading_peaks_are_those_of_recorded_frames():
     # both interpolate steps of 0.1 with polynomials of degree 3 and 5: v h**4 / 384 with v about 10
     np.testing.assert_allclose(noted.peak_velocity[clear], recorded.peak_velocity[clear], atol=5e-6)
     np.testing.assert_allclose(noted.arrival[clear], recorded.arrival[clear], atol=5e-5)
+
+
+def test_no_peak_is_later_than_the_problem_s_end_however_many_calls_its_steps_take():
+    """In 1200 steps, of at most 1000 a call; the pulse passes a bead in 1.5."""
+    arrival = passages(problem(beads=80, duration=60.0), timestep=0.05).arrival
+    assert 58.0 < arrival.max() <= 60.0
 
 
 @pytest.mark.slow
