@@ -128,6 +128,7 @@ def test_every_ingredient_has_a_case():
     assert INGREDIENTS.keys() <= {key for keys in CASES.values() for key in keys}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ALL)
 def test_lammps_tends_to_the_exact_motion_with_its_order(name, done, tmp_path):
     coarse = error(run(scene(name, timestep=0.02), tmp_path / "coarse", check=False), name)

@@ -107,6 +107,7 @@ def undocumented(function):
     return lacking + [f"raises {name}" for name in sorted(raised - set(entries(docstring, "Raises")))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(things()))
 def test_what_plug_ins_use_has_a_docstring_with_shapes_units_and_errors(name):
     thing = things()[name]

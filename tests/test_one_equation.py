@@ -5,6 +5,8 @@ import re
 import tokenize
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[1]
 ALLOWED = ("lammps_inputs/laws/", "lammps_inputs/ingredients/", "lammps_inputs/formulas/")
 EXCEPT = {
@@ -41,6 +43,7 @@ def files():
                 yield name
 
 
+@pytest.mark.slow
 def test_no_module_but_laws_and_ingredients_names_a_force():
     found = {name: FORCES.findall(code((ROOT / name).read_text(encoding="utf-8"))) for name in files()}
     assert {name: forces for name, forces in found.items() if forces} == {}

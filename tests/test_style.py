@@ -40,6 +40,7 @@ DOCUMENTED = (
 """Where the module `granchain` and what its functions return are defined."""
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(HANGS)  # mypy takes 4 s, without its cache 45 s of a quiet core
 @pytest.mark.parametrize("words", ["mypy", "ruff check .", "ruff format --check ."])
 def test_nothing_is_found_by(words):

@@ -76,6 +76,7 @@ def cases(names, strides):
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "stride"), cases(LED, [10]))
 def test_energies_of_chains_waves_and_pulses_are_as_uncertain_as_stated(name, stride):
     fine, coarse = surveyed(dense(name)), surveyed(thinned(dense(name), stride))
@@ -154,11 +155,13 @@ def test_forces_are_as_uncertain_as_stated(name, stride):
     assert np.all(coarse.largest[np.isfinite(coarse.largest)] >= coarse.force.max(axis=0)[np.isfinite(coarse.largest)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "stride"), cases([name for name in SCENES if name != "yielding"], [10]))
 def test_forces_between_few_recorded_beads_are_as_uncertain_as_stated(name, stride):
     checked(forces(name), read(thinned(of_few_beads(dense(name)), stride)))
 
 
+@pytest.mark.slow
 def test_frames_too_far_apart_for_the_forces_between_them_state_none():
     """The fastest motion has a phase of 8 from one frame to the next."""
     run = dense("light beads under a large load")

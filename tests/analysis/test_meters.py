@@ -42,6 +42,7 @@ def numbers_of(result):
     return [np.asarray(value) for value in values if isinstance(value, np.ndarray | float)]
 
 
+@pytest.mark.slow
 @settings(max_examples=10, deadline=None)
 @given(st.lists(st.integers(1, 300), max_size=12))
 def test_no_number_depends_on_where_blocks_begin(gapped, places):
@@ -132,6 +133,7 @@ def test_maxima_in_a_window_are_those_of_all_beads_where_it_holds_their_neighbou
         assert set(itertools.compress(held, inside)) <= set(of_all)
 
 
+@pytest.mark.slow
 @settings(max_examples=8, deadline=None)
 @given(moves)
 def test_energies_of_waves_in_a_window_are_those_of_all_beads_or_undefined_where_it_has_left_one(complete, moves):

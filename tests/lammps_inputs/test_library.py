@@ -45,6 +45,7 @@ PARTS = st.sampled_from(["kick", "coupling", "material", "output"])
 INNER = st.sampled_from(["chain", "bead", "velocity", "model", "stiffness", "radius", "density", "every", "beads", "x"])
 
 
+@pytest.mark.slow
 @given(st.tuples(KEYS, VALUES) | st.tuples(PARTS, st.dictionaries(INNER, VALUES, min_size=1, max_size=1)))
 def test_any_value_of_any_key_gives_a_scene_or_one_line(pair):
     scene_or_one_line({"name": "a", "beads": 9, "kick": {"velocity": 1.0}, "duration": 5.0, **dict([pair])})

@@ -18,6 +18,7 @@ def through_yaml(scene):
     return library.from_plain(strict_yaml.parse(strict_yaml.dump(scene.plain()), "here"), "here")
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(scenes())
 def test_a_scene_and_its_resolved_one_come_back_from_yaml_exactly(scene):
@@ -30,6 +31,7 @@ def test_a_name_that_looks_like_something_else_comes_back_as_a_name(name):
     assert through_yaml(scene(name=name)).name == name
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(scenes(ends=False))
 def test_a_scene_is_a_problem_of_finite_numbers_whose_fastest_kick_is_1(scene):
@@ -60,6 +62,7 @@ def test_the_suggested_time_step_is_accepted():
     assert scene(timestep=suggested, output=Output(every=0.1)).timestep == suggested
 
 
+@pytest.mark.slow
 @given(st.floats(-12.0, 12.0), st.floats(0.0, 1e3))
 def test_a_scene_at_any_v_is_the_published_problem_at_v_equal_1(exponent, gap):
     """The exact scaling: x = V^0.8 x^, t = V^-0.2 t^, kappa_eff = kappa V^-0.4, D_eff = D V^-0.8."""

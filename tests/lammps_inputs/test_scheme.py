@@ -41,6 +41,7 @@ def test_an_oscillator_is_stable_up_to_the_bound_and_not_beyond(name):
     assert trace(1.001 * bound, steps) > 2.0
 
 
+@pytest.mark.slow
 def test_lammps_does_step_for_step_what_the_references_table_does(tmp_path):
     case = scene(chains=2, beads=30, kappa=0.1, duration=30.0, every=0.5, timestep=0.02, scheme="suzuki4")
     found = deck_run(case, tmp_path / "run")

@@ -18,6 +18,7 @@ def scene(**changes):
     return plain_scene.scene(**{"chains": 1, "coupling": None, **changes})
 
 
+@pytest.mark.slow
 @given(st.lists(COUNTS, min_size=1, max_size=2))
 def test_counts_in_a_pattern_give_the_scene_of_the_pattern_written_out(rows):
     short = [[f"{count}*{name}" if brief else name for name, count, brief in row] for row in rows]
@@ -28,6 +29,7 @@ def test_counts_in_a_pattern_give_the_scene_of_the_pattern_written_out(rows):
     assert library.from_plain(strict_yaml.parse(strict_yaml.dump(one.plain()), "again"), "again") == one
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=20)
 @given(
     overlap=st.floats(1e-3, 1.0),
@@ -46,6 +48,7 @@ def test_an_overlap_is_the_load_under_which_all_contacts_overlap_so_far(overlap,
     assert float(np.max(link.law.rest)) == pytest.approx(float(np.max(other.law.rest)), rel=1e-6)
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=20)
 @given(mass=SIZES, constant=SIZES, velocity=st.floats(1e-3, 1e3), exponent=st.sampled_from([1.5, 1.0, 2.5]))
 def test_beads_by_mass_and_constant_have_the_dimensionless_problem_of_beads_of_mass_1(

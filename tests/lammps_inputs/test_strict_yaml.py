@@ -38,6 +38,7 @@ def test_a_scalar_is_what_an_engineer_takes_it_for(written, value):
     assert (type(read), read) == (type(value), value)
 
 
+@pytest.mark.slow
 @given(TEXT | YAML_LIKE)
 @example("a: !!bool x")
 @example('a: !!int ""')
@@ -63,6 +64,7 @@ def test_what_is_dumped_reads_back_exactly(data):
     assert repr(strict_yaml.parse(strict_yaml.dump(data), "here")) == repr(data)
 
 
+@pytest.mark.slow
 @given(st.binary(max_size=200))
 def test_any_file_gives_a_mapping_or_one_line(tmp_path_factory, content):
     path = tmp_path_factory.getbasetemp() / "any.yaml"

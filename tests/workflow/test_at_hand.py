@@ -46,6 +46,7 @@ def test_quiet_does_not_silence_what_a_command_is_for(capsys):
     assert said(capsys, "show", "two-chains", "-q") == said(capsys, "show", "two-chains")
 
 
+@pytest.mark.slow
 def test_json_is_one_object_and_nothing_else(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "tiny.yaml").write_text("name: tiny\nbeads: 4\nkick: {velocity: 1}\nduration: 2\n")

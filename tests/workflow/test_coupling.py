@@ -57,6 +57,7 @@ def test_a_ring_of_three(tmp_path):
     assert peaks(result.directory, 95) == pytest.approx([0.25117] * 3, abs=stated(result))
 
 
+@pytest.mark.slow
 def test_springs_that_end_leave_each_chain_its_own_wave(tmp_path):
     one = scene(
         chains=2, beads=120, coupling={"stiffness": 0.1, "rows": [1, 40]}, duration=200.0, output={"every": 0.1}
@@ -87,6 +88,7 @@ def test_wrong_springs_of_any_graph_are_named(name, factor, said, tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_chains_that_are_tied_to_none_do_not_count(tmp_path):
     coupling = {"stiffness": 0.5, "topology": {"edges": [[1, 3]]}}
     one = scene(chains=3, beads=60, coupling=coupling, duration=85.0, output={"every": 0.5})

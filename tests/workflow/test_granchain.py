@@ -41,6 +41,7 @@ def test_a_scene_is_loaded_with_other_values_of_fields_which_are_checked():
             granchain.load("two-chains", {field: -3})
 
 
+@pytest.mark.slow
 def test_a_run_is_a_universe_with_values_in_si(ran):
     found = granchain.universe(ran.directory.path)
     assert found.segments.segids.tolist() == ["C1"]

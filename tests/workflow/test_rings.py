@@ -35,6 +35,7 @@ def velocity(scene: Scene) -> Any:
     return engine.run(scene.problem()).velocity
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("lammps_here")
 def test_the_first_passage_is_that_of_an_open_chain(tmp_path):
     """At the beads before it meets the small pulse that the rebounding first bead has sent the other way."""
@@ -84,6 +85,7 @@ def test_a_ring_whose_beads_are_numbered_from_another_one_moves_alike(keys, turn
     np.testing.assert_allclose(np.roll(there, -3, axis=-1), here, rtol=0.0, atol=1e-11)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("lammps_here")
 def test_a_ring_with_two_equal_halves_moves_as_one_of_half_the_length(tmp_path):
     kinds = {"kinds": {"a": {"mass": 2.0}, "b": {}}, "pattern": ["a", "b", "b"]}
@@ -129,6 +131,7 @@ def test_a_ring_drifts_several_times_round_its_box(tmp_path):
     assert done.check.velocity < 1e-3
 
 
+@pytest.mark.slow
 def test_the_energy_of_verlet_s_steps_errs_by_the_square_of_the_step(tmp_path):
     drifts = []
     for step in (0.05, 0.025):
@@ -137,6 +140,7 @@ def test_the_energy_of_verlet_s_steps_errs_by_the_square_of_the_step(tmp_path):
     assert np.log2(drifts[0] / drifts[1]) == pytest.approx(2.0, abs=0.1)
 
 
+@pytest.mark.slow
 def test_the_force_in_the_closing_contact_is_that_of_any_other(tmp_path):
     """A pulse from bead 3 passes contact 12 as one from bead 1 passes contact 10."""
     forces = []

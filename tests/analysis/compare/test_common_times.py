@@ -61,6 +61,7 @@ def test_a_polynomial_of_degree_seven_is_found_exactly():
     assert max(bound) < STEEPER * size / 0.1
 
 
+@pytest.mark.slow
 @given(st.floats(0.1, 5.0), st.floats(0.0, 6.3), st.floats(0.02, 0.5))
 def test_the_bound_holds_for_smooth_motion(frequency, phase, every):
     (displacement, velocity), (x, v) = errors(oscillating(frequency, phase), every, between(every))
@@ -118,6 +119,7 @@ def cut(trajectory, places):
     return [trajectory[start:end] for start, end in itertools.pairwise(ends)]
 
 
+@pytest.mark.slow
 @given(CUTS, CUTS)
 def test_cuts_do_not_matter_even_empty_pieces(places, others):
     pairs = list(paired(cut(RUN, places), cut(RUN, others)))
@@ -127,6 +129,7 @@ def test_cuts_do_not_matter_even_empty_pieces(places, others):
     np.testing.assert_array_equal(joined(a for a, _ in pairs).velocity, RUN.velocity)
 
 
+@pytest.mark.slow
 @given(CUTS, CUTS)
 def test_parts_of_pairs_are_those_of_each_run(places, others):
     other = replace(RUN, velocity=2.0 * RUN.velocity)

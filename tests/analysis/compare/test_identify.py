@@ -15,6 +15,7 @@ from workflow.engines.reference import engine
 # --- shifts -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @given(st.floats(1e-9, 0.05), st.sampled_from([-1.0, 1.0]), st.floats(0.1, 3.0))
 def test_a_shift_is_found_with_its_sign(shift, sign, frequency):
     t = np.linspace(0.0, 40.0, 2001)[:, np.newaxis, np.newaxis]

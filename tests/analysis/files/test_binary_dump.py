@@ -75,6 +75,7 @@ def whole(problem: Problem, *paths: Path) -> trajectory.Trajectory:
 # what LAMMPS writes
 
 
+@pytest.mark.slow
 def test_a_lammps_dump_has_the_frames_atoms_and_columns_of_the_deck_and_its_start(serial: Path) -> None:
     dump = BinaryDump(serial)
     assert dump.steps.tolist() == list(range(0, 401, 10))
@@ -90,6 +91,7 @@ def test_a_lammps_dump_has_the_frames_atoms_and_columns_of_the_deck_and_its_star
     np.testing.assert_array_equal(first.velocity[0], physics.initial_velocity(TWO.problem().system))
 
 
+@pytest.mark.slow
 def test_two_ranks_write_two_chunks_and_read_like_one(serial: Path, parallel: Path) -> None:
     raw = parallel.read_bytes()
     chunks = struct.unpack_from("<i", raw, raw.index(b"id x vx") + 7)
@@ -97,6 +99,7 @@ def test_two_ranks_write_two_chunks_and_read_like_one(serial: Path, parallel: Pa
     np.testing.assert_array_equal(BinaryDump(parallel).read(), BinaryDump(serial).read())
 
 
+@pytest.mark.slow
 def test_time_units_and_the_box_of_lammps_are_read(tmp_path: Path) -> None:
     (tmp_path / "in").write_text(
         "region b block 0 8 0 5 0 6\ncreate_box 1 b\ncreate_atoms 1 single 1 1 1\ncreate_atoms 1 single 3 3 3\n"
@@ -146,6 +149,7 @@ def files(draw: st.DrawFn) -> tuple[bytes, list[int], np.ndarray]:
     return out, steps, np.array(values)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(files())
 def test_any_order_of_ids_and_any_chunks_give_the_atoms_in_order(
@@ -158,6 +162,7 @@ def test_any_order_of_ids_and_any_chunks_give_the_atoms_in_order(
     np.testing.assert_array_equal(dump.read(), file[2])
 
 
+@pytest.mark.slow
 @settings(max_examples=50, deadline=None)
 @given(
     chains=st.integers(1, 3),
@@ -227,6 +232,7 @@ def test_atoms_of_another_problem_are_refused(serial: Path, change: dict[str, ob
 # cuts
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chunks", [1, 2])
 def test_a_cut_at_any_byte_of_the_last_frame_leaves_the_whole_ones(tmp_path: Path, tiny: Path, chunks: int) -> None:
     raw = tiny.read_bytes()

@@ -55,6 +55,7 @@ def scope_texts(draw):
     return mark + end.join([*head, *lines]) + draw(st.sampled_from(["", end])), len(head), times, np.array(signals)
 
 
+@pytest.mark.slow
 @given(scope_texts(), st.booleans())
 @settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_every_number_of_a_scopes_file_is_read_whatever_stands_around_it(tmp_path, drawn, is_said):
@@ -66,6 +67,7 @@ def test_every_number_of_a_scopes_file_is_read_whatever_stands_around_it(tmp_pat
     np.testing.assert_array_equal(loaded.values[:, 0], 2.0 * (signals - 0.5))
 
 
+@pytest.mark.slow
 @given(st.text(max_size=200))
 @settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_other_text_is_refused_in_one_line_or_read(tmp_path, text):

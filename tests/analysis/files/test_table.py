@@ -70,6 +70,7 @@ def path(tmp_path_factory):
     return tmp_path_factory.mktemp("table") / "table.dat"
 
 
+@pytest.mark.slow
 @given(grids(), st.sampled_from([",", " ", "\t", ", "]), st.sampled_from(["", "# ", "#", "\ufeff"]), st.randoms())
 def test_text_comes_back_number_for_number_in_any_order_of_rows(path, grid, between, head, random):
     columns = long_columns(grid)
@@ -79,6 +80,7 @@ def test_text_comes_back_number_for_number_in_any_order_of_rows(path, grid, betw
     same(table.load(path), grid)
 
 
+@pytest.mark.slow
 @given(grids(), st.randoms())
 def test_an_npz_of_a_grid_comes_back_with_chains_and_beads_in_order(path, grid, random):
     time, chains, beads, *values = grid
@@ -93,6 +95,7 @@ def test_an_npz_of_a_grid_comes_back_with_chains_and_beads_in_order(path, grid, 
     same(table.load(path), grid)
 
 
+@pytest.mark.slow
 @given(grids(), st.data())
 def test_rows_that_are_left_out_are_nan(path, grid, data):
     columns = long_columns(grid)
@@ -141,6 +144,7 @@ def test_what_is_wrong_with_an_npz_is_said_in_one_line(case, path):
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.slow
 @given(st.data())
 def test_a_damaged_npz_is_read_or_refused(path, data):
     out = io.BytesIO()
@@ -152,6 +156,7 @@ def test_a_damaged_npz_is_read_or_refused(path, data):
     read_or_refused(path)
 
 
+@pytest.mark.slow
 @given(st.sampled_from([b"", HEAD.encode()]), st.binary(max_size=80) | st.text(max_size=80))
 def test_any_bytes_and_any_text_after_a_header_are_read_or_refused(path, head, content):
     path.write_bytes(head + (content if isinstance(content, bytes) else content.encode(errors="surrogatepass")))

@@ -39,6 +39,7 @@ def check(ts: mda.coordinates.timestep.Timestep, expected: trajectory.Trajectory
     assert ts.frame == number
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ahead", [1 << 17, 7 * 8 * 2 * 30], ids=["all", "seven"])
 def test_every_frame_is_read_in_float64_in_any_order_however_many_are_read_ahead(
     universe: mda.Universe, expected: trajectory.Trajectory, ahead: int, monkeypatch: pytest.MonkeyPatch

@@ -50,6 +50,7 @@ def test_results_are_those_of_the_arrays(ran: mda.Universe, runs: tuple[RunDirec
     np.testing.assert_allclose(found.arrival[inner], wanted.arrival[inner], rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_several_processes_find_what_one_does_also_of_few_frames_each_and_of_a_window(
     runs: tuple[RunDirectory, RunDirectory],
 ) -> None:

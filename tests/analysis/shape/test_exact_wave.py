@@ -149,6 +149,7 @@ def test_nesterenkos_hertzian_wave_has_his_speed_width_and_form():
     np.testing.assert_allclose(wave.velocity([2.5, -2.5, 100.0]), 0.0, rtol=0, atol=1e-60)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("quantity", "order"), [("speed", 2.0), ("peak_overlap", 1.0)])
 def test_error_of_the_long_wave_theory_vanishes_with_n_minus_one_at_its_order(quantity, order):
     steps = np.array([0.02, 0.04, 0.08])

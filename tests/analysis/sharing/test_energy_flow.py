@@ -50,6 +50,7 @@ def test_the_least_and_most_that_a_chain_has_are_told_with_their_times():
     assert flow.extremes(1) == ((pytest.approx(0.3), 1.0), (0.8, 2.0))
 
 
+@pytest.mark.slow
 def test_shares_centres_and_spreads_are_off_by_no_more_than_errors_of_velocities_make_them():
     """Velocities of 200 states, each off by the largest error either way."""
     chance, error, what = np.random.default_rng(1), 1e-3, problem()

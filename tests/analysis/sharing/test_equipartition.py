@@ -54,6 +54,7 @@ def test_where_all_amplitudes_are_0_the_mismatch_is_undefined_and_the_other_plac
     assert without.agrees_from(0.01) is None or without.agrees_from(0.01) > without.bead[still].max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("chains", "kappa", "tolerance", "bead"),
     [
@@ -139,6 +140,7 @@ def test_beats_are_as_long_as_they_look(kappa, beat):
     assert run(2, kappa).shared.beat_length.value == pytest.approx(beat, rel=0.03)
 
 
+@pytest.mark.slow
 @settings(max_examples=50)
 @given(st.floats(12.0, 60.0), st.floats(0.2, 0.5), st.floats(30.0, 200.0))
 def test_a_known_beat_is_measured_within_its_scatter(beat, level, decay):
@@ -147,6 +149,7 @@ def test_a_known_beat_is_measured_within_its_scatter(beat, level, decay):
     assert found.uncertainty < 0.01 * beat
 
 
+@pytest.mark.slow
 @settings(max_examples=50)
 @given(st.floats(12.0, 40.0), st.floats(20.0, 50.0))
 @example(20.0, 50.0)
@@ -217,6 +220,7 @@ def test_chains_with_gaps_are_compared_by_the_impulses_of_first_contacts(directi
     np.testing.assert_allclose(found.amplitude, expected.first[:, rows].T, rtol=0, atol=2e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("chains", "kappa", "beads", "duration", "state"),
     [
@@ -309,6 +313,7 @@ def test_contacts_32_times_as_strong_decay_as_others_do_on_a_sixteenth_of_the_sp
     assert fit_decay(shared, strong).n_star_expected == pytest.approx(expected_n_star(0.002), rel=1e-12)
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(st.floats(1e-4, 5e-3), st.floats(0.98, 1.02))
 def test_a_known_decay_is_fitted_exactly(kappa, factor):
@@ -432,6 +437,7 @@ def test_errors_of_amplitudes_make_the_bead_of_agreement_as_much_less_certain_as
     assert more - less == pytest.approx(grown, rel=1e-9)
 
 
+@pytest.mark.slow
 @settings(max_examples=50)
 @given(st.integers(3, 40), st.floats(1e-6, 1e-4), st.integers(0, 10**6))
 @pytest.mark.parametrize("level", [0.2, None], ids=["ahead", "in the middle"])

@@ -74,6 +74,7 @@ def test_maxima_in_reverse_order_or_at_one_time_have_no_width(speed):
     assert np.isfinite([shape.residual, shape.energy]).all()
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(st.floats(0.1, 1.0), st.floats(0.5, 2.0))
 def test_a_wave_that_is_too_wide_has_the_width_put_in_and_a_residual(peak, stretch):
@@ -164,6 +165,7 @@ def test_a_passage_that_the_run_does_not_show_whole_has_no_shape_but_an_energy()
     assert shape.energy[0] == pytest.approx(float(EXACT.energy_at(0.5)), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_waves_are_solitary_once_equipartitioned():
     found = surveyed(reference(2, 0.1))
     leading = [c for p, c in zip(found.pulses, found.characters, strict=True) if found.leads(p)]
@@ -265,6 +267,7 @@ READ_BOTH_WAYS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", READ_BOTH_WAYS)
 def test_a_run_towards_bead_1_is_read_as_the_mirror_image_of_one_away_from_it(name):
     plain = of_keys(**{"beads": 40, "kick": {"velocity": 1.0}, "duration": 55.0, **READ_BOTH_WAYS[name]})
@@ -305,6 +308,7 @@ def test_memory_does_not_grow_with_the_number_of_frames(monkeypatch):
     assert peak_memory(0.01) < 1.2 * peak_memory(0.04)  # both of several blocks
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kick", [Kick(velocity=-1.0), Kick(velocity=1.0, bead=5)])
 def test_any_run_however_short_is_surveyed_without_a_word(kick):
     run = reference(2, 0.1, 10, 4.0, kicks=[kick])

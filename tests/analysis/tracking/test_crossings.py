@@ -72,6 +72,7 @@ def test_a_maximum_is_bracketed_that_a_bead_quickening_from_rest_has_right_after
     assert slope[late[0], 0] <= -error[0] < slope[late[0] - 1, 0]
 
 
+@pytest.mark.slow
 def test_the_light_beads_of_a_dimer_have_the_first_of_two_maxima_in_frames_a_quarter_of_t_apart():
     """Their velocity has two maxima 0.28 T apart, 3e-5 V above what is between them."""
     run = integrated(small("dimer", beads=50, duration=50.0).problem())
@@ -84,6 +85,7 @@ def test_the_light_beads_of_a_dimer_have_the_first_of_two_maxima_in_frames_a_qua
     assert coarse.bound["arrival"][light].max() < 1e-2
 
 
+@pytest.mark.slow
 def test_beads_between_contacts_of_a_gapped_chain_have_the_same_maxima_in_frames_half_of_t_apart():
     """Bead 13 of chain 2 has its first one at the end of a contact, after which the other chain drives it on."""
     run = integrated(small("two-chains-gapped", beads=16, duration=110.0).problem())

@@ -163,6 +163,7 @@ def assert_as_sure_as_stated(found, true, least, *, fine=0.0):
     assert np.all(time <= found.time_error + fine)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("recorded", [None, (2,)])
 def test_the_error_of_a_peak_where_a_contact_opens_between_two_frames_is_below_what_is_said(recorded):
     fine = reference(1, 0.0, 2, duration=20.0, every=0.01, gap=3.6)  # bead 2 leaves with exactly 1
@@ -172,6 +173,7 @@ def test_the_error_of_a_peak_where_a_contact_opens_between_two_frames_is_below_w
         assert np.all(np.abs(found.velocity[there] - 1.0) <= found.velocity_error[there]), start
 
 
+@pytest.mark.slow
 def test_the_error_of_a_peak_is_below_what_is_said_where_a_contact_has_closed_just_before_the_frame():
     kicks = [Kick(bead=1, velocity=1.0), Kick(bead=4, velocity=-0.5)]
     fine = reference(1, 0.0, 6, duration=7.0, every=0.01, kicks=kicks)
@@ -223,6 +225,7 @@ def test_maxima_are_as_accurate_as_stated_where_dashpots_stop_beads_within_a_fra
         assert_as_sure_as_stated(found.where(found.velocity > 0.02), find_peaks([run]), 2, fine=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [0.001, 0.3])
 def test_maxima_are_as_accurate_as_stated_where_a_foundation_stiffens_between_two_frames(width):
     ramp = {"from": 0.2, "to": 2.0, "times": [2.97, 2.97 + width]}

@@ -23,6 +23,7 @@ def found_in(trajectory: Trajectory, direction: int = 1) -> tuple[Pulse, ...]:
     return track_pulses(find_peaks(trajectory.blocks(), direction=direction), trajectory.problem)
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(PEAKS, EVERY, st.floats(2.0, 20.0), st.sampled_from([1, -1]), st.sampled_from(["all", tuple(range(1, 41, 3))]))
 def test_a_wave_on_any_grid_is_one_pulse_with_the_arrivals_and_amplitude_that_were_put_in(
@@ -39,6 +40,7 @@ def test_a_wave_on_any_grid_is_one_pulse_with_the_arrivals_and_amplitude_that_we
     assert np.max(np.abs(pulse.peak_velocity - peak)[whole]) < off
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(PEAKS, st.floats(0.03, 0.5))
 def test_the_speed_of_a_wave_is_that_of_the_exact_law_within_the_error_of_its_arrivals(peak, every):
@@ -53,6 +55,7 @@ def test_nothing_runs_between_beads_that_were_kicked_at_once():
     np.testing.assert_array_equal(speed, [np.nan, 4.0, 2.0 / 1.5, 1.0])
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(st.lists(st.floats(0.1, 1.0), min_size=2, max_size=4))
 def test_as_many_pulses_are_found_as_follow_each_other_in_a_chain(peaks):
@@ -72,6 +75,7 @@ def test_two_pulses_that_meet_head_on_are_each_one_pulse_before_and_after():
     assert left.peak_velocity[-10] == pytest.approx(0.7 * 0.6816, abs=0.02)
 
 
+@pytest.mark.slow
 def test_pulses_of_three_kicks_are_three_pulses_that_sort_themselves_by_amplitude():
     kicks = [Kick(velocity=0.8), Kick(bead=6, velocity=1.0), Kick(bead=12, velocity=0.5)]
     pulses = [p for p in found_in(reference(1, 0.0, 250, 360.0, kicks=kicks)) if p.peak_velocity[-9] > 0.2]
@@ -105,6 +109,7 @@ def test_a_run_that_ended_early_shows_the_pulse_as_far_as_it_came():
     assert np.allclose(pulse.peak_velocity, whole.peak_velocity[: len(pulse)], rtol=0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_output_ten_times_coarser_changes_amplitudes_by_less_than_1e_4_and_arrivals_by_less_than_1e_3():
     fine, coarse = (find_peaks(reference(every=every).blocks()) for every in (0.1, 1.0))
     for chain in (1, 2):
@@ -125,6 +130,7 @@ def test_beads_are_compared_with_those_of_their_mass_unless_all_differ(beads):
     np.testing.assert_array_equal(of_one_kind(problem(chains=1, beads=beads, mass=dimer)), dimer[0] == 2.0)
 
 
+@pytest.mark.slow
 def test_two_beads_launched_together_give_two_pulses_of_known_heights():
     one = problem(chains=1, beads=310, kicks=((1, 1, 1.0), (1, 2, 1.0)), timestep=0.25, steps_per_frame=1, frames=1700)
     run = engine.run(one)

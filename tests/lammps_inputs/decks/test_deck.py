@@ -35,6 +35,7 @@ def relative(result):
 # --- the coupling -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_two_coupled_beads_swing_as_the_exact_cosine_to_the_order_of_the_step(tmp_path):
     result = run(coupled_pair(kappa=0.1), tmp_path / "run")
     omega, step = math.sqrt(0.2), result.problem.timestep
@@ -43,6 +44,7 @@ def test_two_coupled_beads_swing_as_the_exact_cosine_to_the_order_of_the_step(tm
     np.testing.assert_allclose(relative(result), np.cos(omega * time), rtol=0, atol=1.01 * late)
 
 
+@pytest.mark.slow
 def test_coupled_chains_stay_on_their_lines_to_the_last_bit(tmp_path):
     text = f"dump exact all custom 1 y.txt id y z\n{EXACT}"
     result = run(scene(chains=3, beads=9, kappa=0.5, duration=5.0), tmp_path / "run", before_run=text)
@@ -54,6 +56,7 @@ def test_coupled_chains_stay_on_their_lines_to_the_last_bit(tmp_path):
 # --- the beads --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("chains", "kicks", "diameter"),
     [(2, FIVE_KICKS[:1], 4.0), (1, FIVE_KICKS, 8.0)],
@@ -71,6 +74,7 @@ def test_touching_beads_at_rest_have_mass_exactly_1_and_their_radius_and_feel_ex
     assert (result.velocity == 0.0).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kicks", [FIVE_KICKS[:1], FIVE_KICKS], ids=["diameter 4", "diameter 8"])
 def test_touching_beads_repel_each_other_by_the_overlap_to_the_power_3_over_2_from_its_first_bit(kicks, tmp_path):
     """One step of 2^-20 at V = 1 closes the contact ahead of the last bead hit by exactly 2^-20."""
@@ -83,6 +87,7 @@ def test_touching_beads_repel_each_other_by_the_overlap_to_the_power_3_over_2_fr
     np.testing.assert_allclose(table(result.directory / "forces.txt")[1, :, 1], forces, rtol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [0.75, 0.909, 2.874])
 def test_beads_a_gap_apart_meet_after_the_gap_and_not_before(gap, tmp_path):
     case = scene(gap=gap, timestep=0.01, every=0.01, duration=4.0)
@@ -104,6 +109,7 @@ def two_beads(tmp_path_factory):
     ]
 
 
+@pytest.mark.slow
 def test_two_beads_touch_for_the_published_time_and_exchange_velocity(two_beads):
     """Afterwards bead 2 moves at 1 from where they parted, so that x2 - x1 = t - contact time."""
     assert pytest.approx(2.438838, abs=5e-7) == CONTACT_TIME
@@ -121,6 +127,7 @@ def test_two_beads_overlap_at_most_by_the_published_amount(two_beads):
     assert largest == pytest.approx((5 / 8) ** 0.4, abs=bend * 0.005**2 / 8 + 1e-5)
 
 
+@pytest.mark.slow
 def test_one_chain_sends_a_wave_of_the_published_peak_and_speed(tmp_path):
     """A chain hit with V = 1: 0.6816315 far downstream, passing bead n at 0.77532 + (n - 1)/0.8405088."""
     result = run(scene(beads=60, duration=60.0, every=0.05), tmp_path / "run")
@@ -137,6 +144,7 @@ def test_one_chain_sends_a_wave_of_the_published_peak_and_speed(tmp_path):
 # --- nothing is lost --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("bead", "sign"), [(1, -1.0), (4, 1.0)], ids=["backwards", "forwards"])
 def test_a_bead_thrown_off_the_end_is_followed_however_far(bead, sign, tmp_path):
     case = scene(beads=4, kick=(Kick(bead=bead, velocity=sign),), timestep=0.5, every=500.0, duration=1e5)
@@ -147,6 +155,7 @@ def test_a_bead_thrown_off_the_end_is_followed_however_far(bead, sign, tmp_path)
     assert (result.displacement[:, 0] == expected).all()  # every number is a multiple of 1/2: no rounding
 
 
+@pytest.mark.slow
 def test_the_list_of_neighbours_built_once_gives_bit_for_bit_what_one_built_each_step_gives(tmp_path):
     case = scene(chains=2, beads=12, kappa=0.1, gap=0.5, duration=40.0, kick=FIVE_KICKS[:1])
     once = run(case, tmp_path / "once")
@@ -156,6 +165,7 @@ def test_the_list_of_neighbours_built_once_gives_bit_for_bit_what_one_built_each
     assert (always.vx == once.vx).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [0.0, 0.909, 50.0])
 def test_every_contact_of_a_chain_is_a_neighbour_and_nothing_else_nor_an_image(gap, tmp_path):
     result = run(scene(chains=3, beads=12, kappa=0.1, gap=gap, duration=0.1), tmp_path / "run")
@@ -166,6 +176,7 @@ def test_every_contact_of_a_chain_is_a_neighbour_and_nothing_else_nor_an_image(g
 # --- variables and output ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("asked", "other", "option"),
     [
@@ -184,6 +195,7 @@ def test_a_number_given_on_the_command_line_is_one_given_in_the_scene(asked, oth
     assert (here.vx == there.vx).all()
 
 
+@pytest.mark.slow
 def test_each_kick_goes_to_its_own_chain_and_bead_also_from_the_command_line(tmp_path):
     kicks = (Kick(chain=2, bead=3, velocity=1.0), Kick(chain=3, bead=1, velocity=-0.5))
     expected = np.zeros((3, 4))
@@ -216,6 +228,7 @@ def test_the_deck_of_an_installed_scene_is_the_golden_text(name, golden):
     golden(name, deck.render_deck(find(name).problem()))
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(scenes(ends=False))
 def test_the_deck_names_what_the_scene_needs_and_nothing_else(case):
@@ -228,6 +241,7 @@ def test_the_deck_names_what_the_scene_needs_and_nothing_else(case):
     assert ("group recorded" in text) == (case.output.beads not in every_bead)
 
 
+@pytest.mark.slow
 @given(st.floats(-12.0, 12.0))
 def test_the_deck_of_one_chain_is_the_same_for_every_v_to_rounding(exponent):
     velocity = 10.0**exponent
@@ -240,6 +254,7 @@ def test_the_deck_of_one_chain_is_the_same_for_every_v_to_rounding(exponent):
     assert ours == theirs
 
 
+@pytest.mark.slow
 def test_the_log_holds_kinetic_energy_and_momentum(tmp_path):
     result = run(scene(chains=2, beads=8, kappa=0.1, duration=5.0, every=0.05), tmp_path / "run")
     logged = np.array([line.split() for line in re.findall(r"^ +\d+ +[\d.e-]+ +[\d.e-]+ *$", result.log, re.M)], float)

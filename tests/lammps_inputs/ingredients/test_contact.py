@@ -43,6 +43,7 @@ def test_a_kicked_chain_has_the_published_amplitude_and_law_of_speed(tmp_path, e
     assert leading.solitary
 
 
+@pytest.mark.slow
 def test_linear_contacts_carry_no_pulse(tmp_path):
     for exponent, leads in ((1.0, False), (1.04, False), (1.06, True)):
         assert touching(exponent).problem().system.holds(Fact.PULSE) == leads
@@ -51,6 +52,7 @@ def test_linear_contacts_carry_no_pulse(tmp_path):
     assert found.conservation.energy_drift < 1e-4
 
 
+@pytest.mark.slow
 def test_the_2021_release_says_in_one_line_what_it_cannot_do_and_does_linear_contacts(lmp_of, tmp_path):
     said = {}
     for exponent in (1.0, 2.0):
@@ -81,6 +83,7 @@ def test_random_exponents_are_factors_of_numpy_on_that_of_spheres_or_on_their_me
         np.testing.assert_array_equal(law.exponent, mean * factors)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "contact",
     [

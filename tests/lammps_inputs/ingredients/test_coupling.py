@@ -64,6 +64,7 @@ def graphs(draw):
     return chains, [[*pair, draw(st.floats(0.01, 1e4))] for pair in chosen]
 
 
+@pytest.mark.slow
 @given(graphs())
 def test_no_graph_swings_faster_than_the_bound(case):
     chains, edges = case

@@ -40,6 +40,7 @@ def test_dashpots_between_chains_reach_as_far_as_their_springs_and_not_to_the_ne
     assert math.hypot(beside, reach) < cutoff < math.hypot(beside, problem.layout.spacing - reach)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("share", "exponent"),
     [(0.5, 1.5), pytest.param(0.7, 1.0, marks=SLOW), pytest.param(0.7, 2.0, marks=SLOW)],
@@ -159,6 +160,7 @@ def test_strong_dashpots_shorten_the_stable_step() -> None:
     )
 
 
+@pytest.mark.slow
 def test_lammps_is_stable_below_the_bound_and_not_above(tmp_path: Path) -> None:
     asked = scene(chains=2, kappa=0.5, duration=4.0, every=1.0, damping=Damping(coupling=20.0))
     bound = stability_bound(asked.problem().system)

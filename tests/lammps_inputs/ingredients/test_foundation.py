@@ -60,6 +60,7 @@ def stiffness_in_deck(law, steps, timestep):
 RAMP = st.tuples(st.floats(1e-2, 10.0), st.floats(-5.0, 1e3), st.floats(1e-6, 1e3))
 
 
+@pytest.mark.slow
 @settings(max_examples=80, derandomize=True, database=None)
 @given(RAMP, st.sampled_from([0.0, 5e-324, 1e-20, 1e-10, 1e-3]), st.booleans())
 def test_no_ramp_to_or_from_nearly_0_is_negative_by_rounding_in_lammps(ramp, least, falling):

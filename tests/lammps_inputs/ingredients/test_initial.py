@@ -75,6 +75,7 @@ def test_a_normal_mode_of_a_linear_chain_keeps_its_shape(tmp_path):
     assert error < 2e-5 * size  # of velocities 1e-6 V, where V = sqrt(k) times the largest overlap
 
 
+@pytest.mark.slow
 def test_a_bead_that_is_drawn_back_swings_on_its_foundation_as_a_cosine(tmp_path):
     case = scene(
         {"beads": 3, "gap": 1.0, "foundation": {"stiffness": 0.3}, "initial": {"bead": 1, "displacement": -0.5}}
@@ -97,6 +98,7 @@ def test_both_engines_start_from_the_same_numbers_to_the_last_bit(tmp_path):
     assert done.displacement[0, 0, 30] * case.scale.length == pytest.approx(0.1234567890123, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_the_energy_stored_at_the_start_is_energy_input_of_the_budget(tmp_path):
     case = scene(PAIR, damping={"contact": 0.2, "law": "viscoelastic"})
     budget = analyse(run(case, tmp_path / "run").directory, figures=False).conservation.budget

@@ -124,6 +124,7 @@ def test_two_tones_move_a_bead_on_a_linear_spring_as_their_exact_response():
     assert ConservationMeter(found.problem).read([found]).energy_drift < 1e-8
 
 
+@pytest.mark.slow
 def test_behind_the_front_of_a_piston_beads_move_with_its_velocity_and_at_the_front_with_almost_twice_that(tmp_path):
     """A bead that elastic beads of velocity 2 V hit one after the other, seen from the piston, has 2 V at most."""
     scene_of = {"name": "piston", "beads": 120, "drive": {"velocity": 0.02}, "duration": 250}

@@ -52,6 +52,7 @@ def test_a_pressed_chain_of_linear_contacts_swings_by_its_modes(tmp_path):
     assert rates.sound_frequency(case.system) == pytest.approx(2.0, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_small_and_large_loads_run_with_a_small_error_and_their_energy(tmp_path):
     for force in (1e-9, 1.0, 1e3):
         found = run(loaded(precompression={"force": force}, beads=20, duration=10.0), tmp_path / f"{force}")
@@ -111,6 +112,7 @@ def test_the_impulse_of_a_gauge_is_that_above_rest():
     assert measure(problem, [trajectory]).imbalance < 1e-6
 
 
+@pytest.mark.slow
 def test_the_end_at_a_bead_comes_sooner_the_faster_sound_is():
     ends = [
         settle(loaded(precompression={"force": f}, beads=40, duration=None, until_bead=30))[0].duration

@@ -113,6 +113,7 @@ def test_harder_walls_feel_the_known_forces_through_lammps(tmp_path, kind, ratio
     assert wall / contact == pytest.approx(ratio, abs=4.0 * found.check.velocity + 2e-5)
 
 
+@pytest.mark.slow
 def test_forces_are_written_in_newtons(tmp_path, capsys):
     output = {"every": 1e-6, "forces": {"wall": True, "contacts": [3]}}
     case = walled({"right": "bead"}, material=STEEL, coupling=None, duration=3e-4, output=output)
@@ -165,6 +166,7 @@ def test_a_dashpot_at_the_end_of_a_bonded_bar_reflects_what_is_exact_for_waves_o
         np.testing.assert_allclose(np.abs(exact), np.tan(q / 4.0), rtol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "stiffness"),
     [

@@ -277,6 +277,7 @@ def test_a_cut_dashpot_pulls_as_hard_as_the_contact_pushes_and_no_harder(law):
 ENERGIES = st.floats(1e-9, 1e9)
 
 
+@pytest.mark.slow
 @given(ENERGIES, st.floats(0.0, 1.0))
 def test_beads_in_lammps_are_too_large_for_any_share_of_the_energy_to_let_second_neighbours_meet(energy, share):
     diameter = layout_of(system(energy)).diameter

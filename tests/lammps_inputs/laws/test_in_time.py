@@ -142,6 +142,7 @@ def test_displacements_between_points_of_a_sine_are_off_by_five_384ths_of_the_fo
 numbers = st.floats(-1e3, 1e3)
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(st.floats(1e-3, 1e3), numbers), min_size=1, max_size=20), st.booleans())
 def test_a_motion_passes_through_all_points_whatever_these_are(rows, velocities):
     widths, values = np.array(rows).T

@@ -75,6 +75,7 @@ def test_nothing_is_faster_than_a_drive() -> None:
     assert rates.fastest(driven) == pytest.approx(turn * (0.1 * turn) ** -0.2)
 
 
+@pytest.mark.slow
 @given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=12), st.integers(1, 5), st.floats(0.0, 100.0))
 def test_no_overlaps_of_this_energy_vibrate_faster_than_the_bound(shares, chains, kappa):
     total = 0.5
@@ -94,6 +95,7 @@ def test_the_bound_is_that_of_the_notes():
     assert rates.stability_bound(pair(0.5, 0.1, 2)) == pytest.approx(2 / math.sqrt(6 * overlap**0.5 + 0.2), rel=1e-14)
 
 
+@pytest.mark.slow
 @given(st.floats(1e-6, 1e6), st.floats(0.0, 1e12), st.integers(1, 100), st.floats(1e-10, 0.1))
 def test_the_rule_gives_no_step_above_half_the_bound(energy, kappa, chains, accuracy):
     step = rates.timestep_for(accuracy, 1.0, pair(energy, kappa, chains))
@@ -127,6 +129,7 @@ def test_the_rule_keeps_the_default_accuracy_where_springs_are_stiff(kappa, chai
     assert max(np.abs(a.velocity - b.velocity).max() for a, b in zip(runs, right, strict=True)) < DEFAULT_ACCURACY
 
 
+@pytest.mark.slow
 @given(st.floats(1e-10, 0.1), st.floats(1.0, 1e5), st.floats(0.0, 1e4), st.integers(1, 100))
 def test_the_law_asks_for_shorter_steps_for_more_accuracy_time_and_stiffness(accuracy, duration, kappa, chains):
     for scheme in ("verlet", "suzuki4"):

@@ -62,6 +62,7 @@ def test_the_largest_overlap_lies_between_the_bounds(case):
     assert low * (1.0 - SHORT) <= largest(problem) <= high * (1.0 + 1e-6)  # the reference keeps energy to 1e-6
 
 
+@pytest.mark.slow
 @given(st.integers(1, 4), st.floats(0.0, 3.0), st.floats(0.0, 0.5), st.lists(st.floats(-1.0, 1.0), min_size=3))
 def test_the_lower_bound_is_never_above_the_upper(chains, kappa, gap, velocities):
     kicks = [(1 + k % chains, 1 + k // chains, velocity) for k, velocity in enumerate(velocities)]

@@ -151,6 +151,7 @@ def test_a_frozen_bead_is_a_wall_and_gran_hertz_history_a_material(column: tuple
     assert read.scene.duration == pytest.approx(1.5e-4)
 
 
+@pytest.mark.slow
 def test_both_decks_move_alike_and_nothing_is_written_beside_the_deck(column: tuple[Path, Adopted]) -> None:
     folder, read = column
     assert read.difference < ROUNDING

@@ -48,6 +48,7 @@ def measured(plain, steps):
     return np.array([values[name] for name in QUANTITIES])
 
 
+@pytest.mark.slow
 def test_a_hertzian_chain_has_the_derivatives_of_its_scaling_law():
     """Without another scale, velocities grow as the kick's and times as its power -1/5."""
     peak, arrival = gradient(scene_of(CHAIN), QUANTITIES, ["kick.velocity"], "chain")

@@ -131,6 +131,7 @@ def test_a_design_whose_pulse_does_not_reach_the_far_end_does_not_count(wanted, 
     assert DesignResult(design, records, [], None, Sensitivity(0.0, 0, (), 0, "", 0, {}), 0.0).undefined == len(late)
 
 
+@pytest.mark.slow
 def test_a_design_that_ends_at_a_bead_waits_for_what_is_wanted_at_the_wall():
     plain = {"name": "a", "beads": 30, "walls": {"right": {"stiffness": 0.1}}, "kick": {"velocity": 1.0}}
     names = ("wall_force", "delay", "transmitted_energy")

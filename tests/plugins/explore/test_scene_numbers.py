@@ -52,6 +52,7 @@ def test_a_slider_goes_from_0_to_three_times_the_value_within_the_bounds_of_the_
     assert (area.start, area.end, area.step) == pytest.approx(ends)
 
 
+@pytest.mark.slow
 def test_what_is_shown_of_a_scene_is_the_run_of_the_reference():
     scene = granchain.load(SCENE)
     result = computed(scene)

@@ -45,6 +45,7 @@ def test_frames_read_back_bit_for_bit_in_the_scenes_units(name, read, run_of):
     )
 
 
+@pytest.mark.slow
 def test_a_file_holds_what_the_attribute_dataset_holds_or_only_every_nth_frame(read, run_of):
     run = run_of("coupled")
     xarray.testing.assert_identical(run.dataset, read(run).load())

@@ -39,6 +39,7 @@ def expected(run, frame):
     return x.ravel(), frames.velocity[frame].ravel(), problem.layout.apart((0, 1))
 
 
+@pytest.mark.slow
 def test_the_file_for_ovito_holds_radii_bonds_velocities_and_times(run_of, tmp_path):
     hoomd = pytest.importorskip("gsd.hoomd", reason="gsd is not installed (granchain[export])")
     run = run_of("coupled")

@@ -32,6 +32,7 @@ def test_a_film_of_a_short_run_has_no_picture_twice(run_of):
     assert len(pictures(run, seconds=100.0, rate=10)) == run.trajectory.frames
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("bead", "velocity", "ends"), [(1, 1.0, (0, 40)), (60, -1.0, (20, 60))])
 def test_the_beads_in_sight_begin_at_the_kicked_end_and_follow_the_pulse_away_from_it(bead, velocity, ends, tmp_path):
     scene = {"name": "long", "beads": 60, "kick": {"bead": bead, "velocity": velocity}, "duration": 75.0}

@@ -83,12 +83,14 @@ def test_a_run_that_fails_is_refused_or_stopped_or_a_crash_and_its_comparison_ne
 # --- planted errors ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_deck_with_springs_one_per_cent_stiffer_than_its_scene_is_silently_wrong(tmp_path):
     pair = scene(chains=2, beads=30, kappa=0.1, duration=30.0)
     planted = wrong_runs.deck_run(pair, tmp_path / "run", wrong_runs.ONE_PERCENT_MORE)
     assert classify(study.PROMISED, LargestError(1e-4, 1e-6), true_error(planted, 1e-5))[0] == "WRONG"
 
 
+@pytest.mark.slow
 def test_wrong_springs_that_a_run_tells_of_are_told_and_wrong_once_it_is_silent(monkeypatch):
     right = Linear.across
 
@@ -167,6 +169,7 @@ def test_a_cell_ends_as_it_should(kind, cell):
     assert kind != "RIGHT" or found.error <= found.asked
 
 
+@pytest.mark.slow
 def test_stiff_springs_are_checked_in_every_phase_of_their_swing():
     # 0.4 T are nine swings to a percent, so frames 0.4 apart show no error
     stiff = changed(SHORT, coupling={"stiffness": 1e4}, timestep=2e-4, output={"every": 0.1}, duration=0.5)
@@ -175,6 +178,7 @@ def test_stiff_springs_are_checked_in_every_phase_of_their_swing():
     assert found.reported == pytest.approx(found.error, rel=0.01)
 
 
+@pytest.mark.slow
 def test_an_accuracy_is_kept_in_every_phase_of_a_swing():
     cell = named("corners", "accuracy, 5 frames a period")
     found = study.measure(replace(cell, scene=changed(cell.scene, beads=8, duration=0.5)))
@@ -190,6 +194,7 @@ def test_the_last_frame_is_checked_or_the_one_before(frames, every, left):
     assert problem.frames % stride(problem) == left
 
 
+@pytest.mark.slow
 def test_an_automatic_window_takes_in_kicks_that_are_far_apart():
     kicks = [{"velocity": 1.0}, {"velocity": 0.7, "bead": 50}]
     far = changed(BASE, beads=150, kick=kicks, window="auto", duration=20.0, output={"every": 0.5})
@@ -199,6 +204,7 @@ def test_an_automatic_window_takes_in_kicks_that_are_far_apart():
 # --- the report -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_quick_report_has_cells_of_every_axis_which_are_chosen_by_name():
     quick = [cell for cell in CELLS if study.cost(cell) <= study.QUICK]
     assert {cell.axis for cell in quick} == {cell.axis for cell in CELLS}

@@ -42,6 +42,7 @@ def test_gains_and_baselines_are_those_of_signals_without_noise_and_slopes_their
     np.testing.assert_allclose(kinds.slopes(pulses(1.1)), np.stack(differences, axis=-1), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_intervals_of_gains_and_baselines_contain_the_truth_as_often_as_stated():
     """Numbers of 50 fits within 2.6 standard deviations of 95%, the rate of the pulses free, too."""
     count, inside = 50, np.zeros(5)

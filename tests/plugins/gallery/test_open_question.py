@@ -29,6 +29,7 @@ def test_a_mode_grows_within_the_unstable_range_only_and_keeps_its_size_at_the_b
     assert decay[2] == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_above_a_coupling_the_pulse_is_stable_at_every_gap():
     border = row_map.stable_at_any_gap()
     assert row_map.tongue(0.999 * border).half_width > 0.0

@@ -35,6 +35,7 @@ def test_rigid_chains_that_come_to_agree_drift_apart_again():
     assert np.mean(by_row) < 0.02 * len(every.theta)
 
 
+@pytest.mark.slow
 def test_late_rigid_rows_belong_to_the_arithmetic():
     theta = np.linspace(0.05, 7.95, 80)
     assert np.mean(study.sensitivity(theta) > 0.01) > 0.5

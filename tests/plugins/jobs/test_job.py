@@ -171,6 +171,7 @@ def test_a_stopped_job_or_run_resumes_as_a_job_bit_for_bit(kind, release, ranks,
     np.testing.assert_array_equal(found.velocity, expected.velocity)
 
 
+@pytest.mark.slow
 def test_a_job_that_is_done_leaves_its_results_alone_and_does_nothing_when_it_runs_again(tmp_path):
     directory = placed(scene(beads=4), tmp_path / "job", ranks_per_node=1)
     go(directory)
@@ -324,6 +325,7 @@ def test_a_list_of_cases_that_leads_elsewhere_is_refused(cases):
         job.render_array(JobOptions(), cases)
 
 
+@pytest.mark.slow
 @given(st.sets(st.integers(0, 40), min_size=1))
 def test_an_array_is_of_the_tasks_that_are_asked_for(tasks):
     script = job.render_array(JobOptions(), [f"c{number}" for number in range(41)], tasks=sorted(tasks))[SLURM.script]

@@ -46,6 +46,7 @@ def test_jobs_ask_their_scheduler_for_what_was_asked_and_for_nothing_else(golden
     golden("requests", "\n".join(lines))
 
 
+@pytest.mark.slow
 def test_a_job_is_added_beside_the_same_deck_and_one_for_another_scheduler_replaces_it(tmp_path, monkeypatch, capsys):
     plain, with_job = tmp_path / "plain", tmp_path / "job"
     assert main(["deck", "two-chains", "-o", str(plain)]) == 0
@@ -79,6 +80,7 @@ def test_options_stand_in_the_script_and_win_over_the_site_that_the_environment_
     assert "\n    module load gcc/13 lammps || " in script
 
 
+@pytest.mark.slow
 def test_a_deck_is_not_written_over_a_job_unless_asked_and_then_nothing_of_it_is_left(tmp_path):
     directory = tmp_path / "run"
     assert main(["deck", "two-chains", "-o", str(directory), "--slurm"]) == 0

@@ -32,6 +32,7 @@ def test_the_scenes_of_the_paper_are_too_small_for_a_second_rank(name):
     assert ranks.advised(case.problem(), 64) == 1
 
 
+@pytest.mark.slow
 @given(st.integers(2, 10**6), st.integers(1, 10**4), st.integers(1, 4096), st.booleans())
 def test_no_rank_has_fewer_beads_than_its_messages_are_worth_or_fewer_than_twenty_rows(beads, chains, most, coupled):
     what = problem(chains=chains, beads=beads, kappa=0.1 if coupled else 0.0)

@@ -124,7 +124,6 @@ def test_table_text_and_data_say_that_regular_motion_has_no_exponent(tmp_path, c
     assert all(line["bound"] > 0.0 for line in answer["exponents"])
 
 
-@pytest.mark.slow
 def test_command_writes_tables_and_says_for_how_long_a_run_can_be_predicted(tmp_path, capsys):
     scene = tmp_path / "scene.yaml"
     scene.write_text(json.dumps(CHAOTIC))

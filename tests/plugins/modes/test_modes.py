@@ -60,6 +60,7 @@ def test_resonators_are_further_atoms_and_open_the_gap_of_an_infinite_chain():
     assert edges[0] < 1.625146 < 3.316625 < edges[1]
 
 
+@pytest.mark.slow
 def test_a_chain_with_free_ends_drifts_and_its_periodic_states_do_not():
     scene = {key: value for key, value in CHAIN.items() if key != "walls"} | {"beads": 5}
     _, modes = modes_of(scene)
@@ -71,6 +72,7 @@ def test_a_chain_with_free_ends_drifts_and_its_periodic_states_do_not():
     assert floquet.multipliers(solver, state).values.shape == (6,)  # four vibrations, less one pair
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("beads", [3, 4, 7])
 def test_a_bonded_ring_has_its_exact_spectrum(beads):
     contact = {"force": "k*s", "k": 0.7, "tension": "allowed"}
@@ -84,6 +86,7 @@ def test_a_bonded_ring_has_its_exact_spectrum(beads):
 # --- periodic states --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("mode", "frequency"), [(1, 0.29942993), (12, 2.42683789)])
 def test_nonlinear_modes_of_twelve_beads_have_the_published_frequencies(mode, frequency):
     solver, state = last_state(CHAIN, mode, 0.5)
@@ -93,6 +96,7 @@ def test_nonlinear_modes_of_twelve_beads_have_the_published_frequencies(mode, fr
     assert floquet.multipliers(solver, state).stable
 
 
+@pytest.mark.slow
 def test_a_state_with_opening_contacts_is_unstable_with_the_published_multiplier():
     solver, state = last_state(FOUR, 3, 0.1, doublings=2)
     values = floquet.multipliers(solver, state)
@@ -102,6 +106,7 @@ def test_a_state_with_opening_contacts_is_unstable_with_the_published_multiplier
     assert values.outside() == (1, 0, 0)
 
 
+@pytest.mark.slow
 def test_the_monodromy_matrix_is_symplectic_and_that_of_a_full_period():
     solver, state = last_state(FOUR, 3, 0.02)
     matrix, asymmetry = floquet.monodromy(solver, state)
@@ -141,6 +146,7 @@ def test_a_branch_changes_stability_where_its_multipliers_pass_one():
     assert given == pytest.approx([1e-7, 0.03], rel=1e-11)
 
 
+@pytest.mark.slow
 def test_continuation_passes_folds_in_energy_and_in_frequency():
     problem, modes = modes_of(CHAIN | {"beads": 6})
     solver = branches.shooting_of(problem, modes, 0)
@@ -216,7 +222,6 @@ def test_decks_of_states_with_foundations_and_resonators_start_on_them():
 # --- the command ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
 def test_the_command_writes_tables_arrays_and_figures(tmp_path, capsys):
     path, out = tmp_path / "scene.yaml", tmp_path / "out"
     path.write_text(json.dumps(FOUR))

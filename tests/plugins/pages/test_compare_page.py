@@ -48,6 +48,7 @@ def frames_of(runs):
     return compare_page.compared_frames(problem, compared_pairs(runs, comparison), shown_chains(problem))
 
 
+@pytest.mark.slow
 def test_the_map_is_the_velocity_of_one_run_minus_that_of_the_other_at_each_bead_and_common_frame(runs, made):
     frames = frames_of(runs)
     velocities = [run.trajectory.velocity.transpose(1, 0, 2) for run in runs]

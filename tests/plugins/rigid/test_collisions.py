@@ -57,6 +57,7 @@ def at_start(problem):
     return np.vstack([np.zeros((problem.chains, problem.beads)), physics.initial_velocity(problem.system)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kappa", [0.01, 0.1, 1.0])
 def test_two_chains_move_by_eq_4(kappa):
     omega = math.sqrt(2.0 * kappa)
@@ -141,6 +142,7 @@ def of_gaps(gaps, **changes):
     return run(scene(chains=1, coupling=None, **{"beads": 6, "gap": gaps, "duration": 8.0, **changes}).problem())
 
 
+@pytest.mark.slow
 def test_beads_collide_after_the_sums_of_their_gaps():
     gaps = (0.3, 0.1, 0.2, 0.5, 0.4)
     found = of_gaps(gaps)

@@ -27,6 +27,7 @@ def test_a_coupled_bead_struck_from_both_sides_keeps_the_mirror_symmetry():
     np.testing.assert_allclose(t.velocity, -t.velocity[:, :, ::-1], rtol=0, atol=1e-13)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(
     st.lists(st.sampled_from([-1.0, -0.5, 0.0, 0.5, 1.0]), min_size=6, max_size=6).filter(any),
@@ -73,6 +74,7 @@ def test_beads_that_travel_in_step_or_leave_the_row_never_meet():
     assert joined(blocks(found)).frames == 101
 
 
+@pytest.mark.slow
 def test_a_contact_after_hundreds_of_quiet_periods_is_found():
     # chain 1 of a row whose centre of mass rests reaches 0.55 + 0.45 / sqrt(3) when both its modes are at their crests
     kicks = [(1, 1, 1.0), (2, 1, -0.9), (3, 1, -0.1)]
@@ -102,6 +104,7 @@ def test_across_a_huge_gap_a_row_arrives_with_the_speed_of_its_mass(gap):
     assert 0.5 * (t + math.sin(t) * (1 if found.chain[0] == 1 else -1)) == pytest.approx(gap, rel=1e-15)
 
 
+@pytest.mark.slow
 def test_beads_of_a_refused_scene_never_meet():
     random = np.random.default_rng(0)
     refused = 0

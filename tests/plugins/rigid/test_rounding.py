@@ -10,6 +10,7 @@ from workflow.plugins.rigid.engine import run
 from workflow.plugins.rigid.rounding import by_rounding
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("n", "kappa"), [(1, 0.1), (2, 3.0), (3, 0.5), (4, 0.1), (7, 3.0)])
 def test_at_multiples_of_half_pi_the_unmarked_collisions_are_those_of_the_exact_orbit(n, kappa):
     """The row's distance sin(omega t) V / 2 omega is 0 as bead k meets bead k + 1, at t = 2 k D / V, with all of V."""

@@ -56,6 +56,7 @@ def test_a_run_of_rigid_beads_is_analysed_like_any(directory, tmp_path):
     assert math.isfinite(found.waves.at(2).peak_velocity[0])
 
 
+@pytest.mark.slow
 def test_chains_of_rigid_beads_are_compared_by_the_impulses_of_their_collisions(tmp_path, capsys):
     scene = find("two-chains-gapped").model_copy(update={"beads": 60, "duration": 300.0})
     run(scene, tmp_path / "run", engine="collisions")
@@ -69,6 +70,7 @@ def test_chains_of_rigid_beads_are_compared_by_the_impulses_of_their_collisions(
     assert "beating: impulses of first contacts differ by up to" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_the_command_says_how_many_collisions_there_were_and_overwriting_removes_them(tmp_path, capsys):
     path, directory = tmp_path / "scene.yaml", tmp_path / "run"
     path.write_text(strict_yaml.dump(gapped().plain()))

@@ -42,6 +42,7 @@ def first_impulses(rigid, elastic, until=math.inf):
     return from_events(rigid.problem, collisions), measure(elastic.problem, elastic.blocks())
 
 
+@pytest.mark.slow
 def test_the_differences_of_each_chain_are_those_of_the_impulses_and_of_the_energy_over_time(pair):
     rigid, elastic = pair
     validation = validate_run(elastic, rigid)
@@ -93,6 +94,7 @@ def test_the_five_beads_that_fly_off_are_left_out_of_chains_of_more_than_ten(bea
     assert [chain.agrees_until for chain in chains] == [last, last]
 
 
+@pytest.mark.slow
 def test_where_contacts_are_short_against_oscillations_rigid_beads_agree(tmp_path):
     gap = THETA_OF_WEAK_SPRINGS / math.sqrt(2.0 * WEAK)
     rigid, elastic = both(small(gap=gap, kappa=WEAK, duration=140.0, every=0.5), tmp_path)
@@ -101,6 +103,7 @@ def test_where_contacts_are_short_against_oscillations_rigid_beads_agree(tmp_pat
     assert [chain.agrees_until for chain in validation.runs.chains] == [9, 9]
 
 
+@pytest.mark.slow
 def test_a_pulse_towards_bead_1_has_the_same_differences_up_to_the_mirrored_bead(pair, tmp_path):
     kick = (Kick(bead=14, velocity=-1.0),)
     mirrored = validate_run(*both(small(kick=kick), tmp_path)).runs.chains

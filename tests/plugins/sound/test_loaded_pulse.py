@@ -87,6 +87,7 @@ def loaded(**changes):
     return scene(**{"chains": 1, "coupling": None, "output": {"every": 0.25}, **changes})
 
 
+@pytest.mark.slow
 def test_sound_of_the_steel_beads_at_one_newton_runs_at_369_metres_a_second(tmp_path):
     beads, mode = 40, 2
     case = loaded(

@@ -110,6 +110,7 @@ STRUCK = {"name": "struck", "chains": 1, "beads": 24, "striker": {"velocity": 1.
 BY_MASS = ["--where", "mass=25.5", "--vary", "striker.mass=0.5:3", "--points", "3"]
 
 
+@pytest.mark.slow
 def test_a_mass_is_found_exactly_and_a_second_field_makes_a_curve_with_a_figure(tmp_path, capsys):
     code, found = asked(tmp_path, *BY_MASS, "--over", "beads=24,25,26,40", scene=STRUCK)
     assert code == 0

@@ -119,6 +119,7 @@ def test_what_a_deck_is_written_with_and_what_to_do_with_it(printed, golden):
     ]
 
 
+@pytest.mark.slow
 def test_what_a_sweep_its_table_and_its_statistics_print(printed, golden):
     scene = {"name": "small", "chains": 2, "beads": 20, "kick": {"velocity": 1}, "duration": 30, "timestep": 0.01}
     vary = {"coupling.stiffness": [0.2, 0.4], "beads": [20, 24]}

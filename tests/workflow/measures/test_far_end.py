@@ -38,6 +38,7 @@ def test_frames_far_apart_say_what_energy_passes_the_last_tenth_and_when(hit, ve
     assert math.isnan(found.wall_force)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("side", "velocity", "bead"), [("right", 1.0, 6), ("left", -1.0, 1)])
 def test_the_far_wall_is_the_one_that_the_blow_goes_to_and_feels_all_chains(side, velocity, bead):
     """Two chains; frames 0.5 apart, five in a pulse, say what frames 0.01 apart show."""

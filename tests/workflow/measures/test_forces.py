@@ -98,6 +98,7 @@ def linear_motion(beads, stiffness=1.0):
     return motion
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("every", [0.05, 0.2])
 def test_a_contact_that_pulls_passes_on_the_momentum_of_all_beads_beyond_it(every):
     """The deviation from the exact sum is that of the interpolation, which the uncertainties bound."""
@@ -156,6 +157,7 @@ def test_impulses_of_every_law_are_the_momentum_beyond_them_within_their_uncerta
             assert abs(readings.impulse[:, places[name]].sum() - impulse) <= bound
 
 
+@pytest.mark.slow
 def test_a_sensor_reads_the_mean_of_its_beads_contacts(found):
     readings = readings_of(found, contacts=(9, 10), sensors=(10,))
     np.testing.assert_allclose(readings.force[..., 3], readings.force[..., 1:3].mean(axis=-1), atol=1e-16)
@@ -175,6 +177,7 @@ def test_the_largest_force_does_not_depend_on_where_frames_fall(found):
         assert readings_of(coarse).largest[0, 0] == pytest.approx(fine, abs=2e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cut", [57])
 def test_blocks_add_up_to_the_whole(cut, found):
     whole = readings_of(found, contacts=(9,), sensors=(10,))
@@ -302,6 +305,7 @@ def test_a_damped_contact_is_read_with_its_dashpot(g):
     assert readings.contacts[0, 0] == 1
 
 
+@pytest.mark.slow
 def test_the_largest_force_of_a_sensor_may_be_the_jump_of_one_contact_while_the_other_is_closed():
     """Bead 2 reaches bead 3 while bead 1 presses on it; the dashpot's force falls from its largest at once."""
     kicks = [{"bead": 1, "velocity": 1.0}, {"bead": 2, "velocity": 0.9}]

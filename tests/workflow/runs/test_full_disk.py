@@ -101,6 +101,7 @@ def test_a_restart_that_does_not_fit_leaves_the_one_before(disk, tmp_path):
     assert result.directory.job.results == run(sparse, tmp_path / "whole", check=False).directory.job.results
 
 
+@pytest.mark.slow
 def test_an_analysis_or_another_run_that_does_not_fit_leaves_what_was_there(disk, tmp_path, capsys):
     small = scene(chains=2, beads=20, kappa=0.1, duration=30.0)
     directory = run(small, disk.path / "run", engine="reference").directory.path

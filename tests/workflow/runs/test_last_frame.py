@@ -27,6 +27,7 @@ def first(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_two_runs_one_after_the_other_are_the_run_of_both_times_with_kicks_that_add(first, tmp_path):
     whole = run(scene(first, kick={"velocity": 1.0}, duration=20.0), tmp_path / "whole", check=False).trajectory
     case = scene(first, initial={"run": "first"}, duration=10.0)
@@ -41,6 +42,7 @@ def test_two_runs_one_after_the_other_are_the_run_of_both_times_with_kicks_that_
     assert np.count_nonzero(np.abs(difference) > 1e-12) == 1
 
 
+@pytest.mark.slow
 def test_a_column_that_came_to_rest_is_kicked_as_the_settled_one(tmp_path):
     column = {"name": "column", "beads": 6, "walls": {"right": "flat"}, "timestep": 0.01}
     falls = {"acceleration": 1e-3, "settled": False}

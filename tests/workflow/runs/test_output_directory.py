@@ -35,6 +35,7 @@ def contents(directory: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in directory.iterdir() if path.is_file()}
 
 
+@pytest.mark.slow
 def test_overwriting_removes_what_is_listed_and_leaves_hidden_files_of_a_system_and_folders(tmp_path: Path) -> None:
     run(scene(), tmp_path, engine="reference").directory.update(outcome="running")  # as after a kill
     record_files(tmp_path, ["waves.csv", "frames.zarr"])

@@ -78,6 +78,7 @@ def test_a_run_has_every_frame_it_was_asked_for(tmp_path):
     np.testing.assert_array_equal(result.trajectory.time, 0.25 * np.arange(41))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bead", [1, 12, 40])
 def test_a_run_until_a_bead_ends_soon_after_its_peaks(bead, tmp_path):
     ended = small(beads=40, until_bead=bead, duration=None)

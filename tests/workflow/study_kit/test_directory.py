@@ -20,6 +20,7 @@ def parsed(text, **options):
     return case("json:loads", {"s": text}, **options)
 
 
+@pytest.mark.slow
 def test_values_come_in_the_order_of_the_cases_and_those_in_the_cache_are_not_computed(tmp_path):
     path = tmp_path / "cases.jsonl"
     with StoredResults(path) as cache, Pool(1) as pool:
@@ -44,6 +45,7 @@ def test_a_case_that_fails_is_an_answer_and_is_not_cached():
         values([bad])
 
 
+@pytest.mark.slow
 def test_cases_that_use_all_cores_come_last():
     seen = []
     cases = [parsed("1", cost=3.0)._replace(alone=True), parsed("2"), parsed("3", cost=2.0)]

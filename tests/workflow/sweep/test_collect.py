@@ -50,6 +50,7 @@ def table(path):
         return list(csv.DictReader(file))
 
 
+@pytest.mark.slow
 def test_numbers_in_the_table_are_exactly_those_of_the_cases_files(copied):
     assert main(["collect", str(copied), "-o", str(copied / "mine.csv")]) == 0
     for row in table(copied / "mine.csv"):
@@ -85,6 +86,7 @@ def test_failed_interrupted_and_unfinished_cases_are_in_the_table_with_their_rea
     assert found[done.name][0] == "done"
 
 
+@pytest.mark.slow
 def test_what_came_back_from_a_cluster_is_analysed_and_gives_the_same_numbers(copied):
     before = collect(copied).rows
     for path in copied.glob("*=*"):
@@ -187,6 +189,7 @@ def example(tmp_path):
     return sweep_file.load(path)
 
 
+@pytest.mark.slow
 def test_the_example_of_the_readme_is_a_sweep_across_the_cut_off(example):
     first, *_, last = (scene_of(example, case).problem() for case in all_cases(example))
     (band,) = cell_of(first.system).bands() / first.scale.time

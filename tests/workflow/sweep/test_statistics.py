@@ -93,6 +93,7 @@ def test_masses_of_disordered_chains_have_the_mean_and_deviation_of_the_random_n
 OPPOSED = [{"velocity": 1.0}, {"bead": 24, "velocity": -0.5}]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kick", [SHORT["kick"], OPPOSED], ids=["one", "opposed"])
 def test_quantities_at_a_bead_without_a_run_directory_are_those_that_collect_reads_from_one(kick, tmp_path):
     scene = {**SHORT, "kick": kick, "disorder": {**SHORT["disorder"], "seed": 5}}

@@ -29,6 +29,7 @@ def here(monkeypatch):
     monkeypatch.setattr(Pool, "answers", pool_here.answers)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("here")
 def test_a_swept_case_is_bit_for_bit_the_scene_run_alone(tmp_path):
     assert sweep(sweep_file(tmp_path, coupling__stiffness=[0.2]), tmp_path / "s") == 0
@@ -38,6 +39,7 @@ def test_a_swept_case_is_bit_for_bit_the_scene_run_alone(tmp_path):
     np.testing.assert_array_equal(swept.displacement, alone.trajectory.displacement)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("engine", [name for name in engine_names() if name != "lammps"])
 def test_other_engines_sweep_too(engine, tmp_path):
@@ -50,6 +52,7 @@ def stamps(directory):
     return {path: path.stat().st_mtime_ns for path in directory.rglob("*") if path.is_file()}
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("here")
 def test_what_is_missing_failed_or_cut_short_is_computed_again_and_nothing_else(tmp_path):
     path = sweep_file(tmp_path, coupling__stiffness=[0.1, 0.2, 0.3, 0.4, 0.5])
@@ -68,6 +71,7 @@ def test_what_is_missing_failed_or_cut_short_is_computed_again_and_nothing_else(
     assert before[kept / "run.json"] == (kept / "run.json").stat().st_mtime_ns
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("here")
 def test_a_case_whose_scene_was_changed_by_hand_is_refused(tmp_path, capsys):
     path = sweep_file(tmp_path, beads=[12])

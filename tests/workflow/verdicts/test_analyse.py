@@ -54,6 +54,7 @@ def test_waves_in_lammps_equipartition_at_the_bead_of_the_table_and_are_then_the
     assert found.survey.shape.width[late] == pytest.approx(solitary_wave().width, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_output_ten_times_coarser_changes_amplitudes_by_less_than_1e_4_and_arrivals_by_less_than_1e_3(found, tmp_path):
     coarse = analyse(run(scene(output=Output(every=1.0), timestep=0.01), tmp_path / "coarse").directory, figures=False)
     fine = {(c, b): k for k, (c, b) in enumerate(zip(found.waves.chain, found.waves.bead, strict=True))}
@@ -81,6 +82,7 @@ def test_frames_that_hold_what_is_no_number_are_refused_in_one_line(finished, tm
     assert "at t = 170" in said
 
 
+@pytest.mark.slow
 def test_frames_that_are_not_those_of_the_run_are_told_of(finished, tmp_path, capsys):
     main(["analyze", str(finished.path), "--no-figures"])
     assert "fingerprint" not in capsys.readouterr().out
@@ -88,6 +90,7 @@ def test_frames_that_are_not_those_of_the_run_are_told_of(finished, tmp_path, ca
     assert "the checksum of the frames is not that in run.json" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_an_uncertainty_covers_the_error_that_the_run_states_and_without_a_check_the_frames_alone(tmp_path, capsys):
     short = scene(beads=50, duration=72.0, timestep=0.1)
     coarse = run(short, tmp_path / "coarse").directory
@@ -105,6 +108,7 @@ def test_an_uncertainty_covers_the_error_that_the_run_states_and_without_a_check
     assert json.loads((alone.path / "analysis.json").read_text())["run_error"] is None
 
 
+@pytest.mark.slow
 def test_frames_so_far_apart_that_agreement_to_one_per_cent_cannot_be_told_get_no_verdict(tmp_path):
     seldom = scene(output=Output(every=2.0, beads=tuple(range(2, 120))))
     told = analyse(run(seldom, tmp_path / "coarse", check=False).directory, figures=False).survey.verdict
@@ -129,6 +133,7 @@ def test_gapped_chains_whose_impulses_become_equal_are_found_equal_and_in_step_b
     assert [(row["arrival"], row["speed"]) for row in late] == [("", "")] * 2
 
 
+@pytest.mark.slow
 def test_where_a_leading_pulse_ends_is_said_and_its_table_numbers_the_pulses(tmp_path, capsys):
     steel = find("steel-beside-brass")
     case = steel.model_copy(update={"beads": 36, "duration": 7e-4, "timestep": 1e-7})

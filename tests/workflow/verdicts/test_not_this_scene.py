@@ -57,6 +57,7 @@ def test_frames_of_other_times_or_springs_are_an_error_that_names_them_or_doubte
         assert "these are not frames of this scene" in capsys.readouterr().out.splitlines()[1]
 
 
+@pytest.mark.slow
 def test_a_run_cut_short_by_its_steps_is_of_its_scene(tmp_path: Path) -> None:
     path = stock_lammps.run(SMALL, tmp_path / "r", "-var", "steps", "500").directory
     found = analyse(RunDirectory(path), figures=False)
@@ -74,6 +75,7 @@ def test_frames_too_far_apart_to_find_a_wave_are_refused(tmp_path: Path, capsys:
     assert words in refusal(["analyze", directory], capsys)
 
 
+@pytest.mark.slow
 def test_a_run_that_ends_at_a_bead_shows_the_whole_shape_of_its_wave(tmp_path: Path) -> None:
     ended = Scene.model_validate({"name": "ended", "beads": 60, "kick": {"velocity": 1.0}, "until_bead": 50})
     found = analyse(run(ended, tmp_path / "r", check=False).directory, figures=False)
@@ -82,6 +84,7 @@ def test_a_run_that_ends_at_a_bead_shows_the_whole_shape_of_its_wave(tmp_path: P
     assert leader.solitary
 
 
+@pytest.mark.slow
 def test_a_reference_that_is_not_sure_enough_passes_nothing(tmp_path: Path) -> None:
     directory = run(SMALL, tmp_path / "r", check=False).directory
     assert validate(directory).passed

@@ -51,6 +51,7 @@ def frames_written(directory, frames):
 # --- good runs --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_run_of_the_reference_passes_without_any_difference(tmp_path):
     found = validate(run(SCENE, tmp_path / "run", engine="reference").directory)
     assert found.passed
@@ -59,6 +60,7 @@ def test_a_run_of_the_reference_passes_without_any_difference(tmp_path):
     assert found.uncertainty.velocity > 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [0.0, 0.1])
 def test_a_run_of_some_beads_passes_without_energy_and_momentum(gap, tmp_path):
     found = validate(
@@ -70,6 +72,7 @@ def test_a_run_of_some_beads_passes_without_energy_and_momentum(gap, tmp_path):
     assert list(found.deviations) == ["velocity", "displacement", "amplitude", "arrival"]
 
 
+@pytest.mark.slow
 def test_motion_in_round_numbers_is_not_taken_for_rounding(tmp_path):
     free = scene(beads=40, gap=50.0, duration=40.0, kick=(Kick(bead=2, velocity=1.0),))
     assert validate(wrong_runs.deck_run(free, tmp_path / "run")).passed
@@ -106,6 +109,7 @@ def is_named(directory, says, capsys):
     assert any(says in cause for cause in report["causes"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("edit", "says"), DECKS)
 def test_a_wrong_deck_is_caught_and_named(edit, says, tmp_path, capsys):
     is_named(wrong_runs.deck_run(SCENE, tmp_path / "run", edit), says, capsys)
@@ -116,6 +120,7 @@ def test_a_wrong_dump_is_caught_and_named(change, says, good, tmp_path, capsys):
     is_named(wrong_runs.rewritten(good, tmp_path / "run", change), says, capsys)
 
 
+@pytest.mark.slow
 def test_the_first_wrong_bead_and_time_are_named(good, tmp_path, capsys):
     def struck(trajectory):
         velocity = trajectory.velocity.copy()
@@ -139,6 +144,7 @@ def test_every_cause_is_named_in_the_units_of_the_scene():
 # --- runs that are not whole, or of something else --------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_is_said_incomplete_and_does_not_pass(good, tmp_path, capsys):
     part = frames_written(RunDirectory(shutil.copytree(good.path, tmp_path / "part")), 200)
     with (part.path / file_names.DUMP).open("ab") as file:

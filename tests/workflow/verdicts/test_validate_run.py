@@ -123,6 +123,7 @@ def test_two_time_steps_are_compared_quantity_by_quantity_with_time_and_settings
     assert "numpy" not in differ
 
 
+@pytest.mark.slow
 def test_another_engine_is_compared(first, tmp_path):
     other = run(a_scene(), tmp_path / "reference", engine="reference", check=False).directory
     validation = validate_run(copied(first, tmp_path / "copy"), other)
@@ -145,6 +146,7 @@ def test_beads_and_times_that_both_recorded_are_compared(first, finer, tmp_path)
     assert validate_run(other, few).deviations["velocity"].largest == apart.max()
 
 
+@pytest.mark.slow
 def test_a_window_is_compared_with_all_rows_near_the_front(tmp_path):
     # as in `test_window`: the front is bitwise that of all rows
     long = {"chains": 2, "beads": 100, "duration": 100.0}

@@ -73,6 +73,7 @@ def csv(path, table, names=("time", "chain", "bead", "displacement", "velocity")
 SI = (UNIT.time, UNIT.length, UNIT.velocity)
 
 
+@pytest.mark.slow
 def test_the_error_against_a_table_is_the_runs_own_within_interpolation_in_any_units(runs, exact, tmp_path):
     at_frames = validate_table(runs["reduced"], csv(tmp_path / "a.csv", columns(exact[0])))
     plain, si = (csv(tmp_path / f"{unit[0]}.csv", columns(exact[1], unit)) for unit in ((1.0, 1.0, 1.0), SI))
@@ -104,6 +105,7 @@ def test_a_table_with_holes_of_one_quantity_is_compared_where_it_has_rows(runs, 
     assert deviations["velocity"].largest == pytest.approx(0.01, abs=2e-4)
 
 
+@pytest.mark.slow
 def test_times_of_six_digits_are_let_pass(runs, exact, tmp_path):
     table = columns(exact[0], SI)
     table["time"] = wrong_runs.six_digits(table["time"])
@@ -127,6 +129,7 @@ def test_a_table_from_positions_printed_with_g_is_caught_and_named(runs, exact, 
     assert any("displacements in" in cause and "decimals" in cause for cause in found.causes)
 
 
+@pytest.mark.slow
 def test_a_table_of_another_coupling_is_caught_and_named(runs, tmp_path):
     other = engine.run(scene(chains=2, beads=25, kappa=0.101, duration=25.0).problem(), steps_per_frame=16)
     found = validate_table(runs["reduced"], csv(tmp_path / "own.csv", columns(other)))
@@ -169,6 +172,7 @@ def directory(tmp_path_factory, request):
     return path
 
 
+@pytest.mark.slow
 def test_forces_csv_reads_back_as_the_run_that_it_is_of(directory):
     assert main(["validate", str(directory), "--against", str(directory / "forces.csv")]) == 0
     found = json.loads((directory / "validation-against.json").read_text())

@@ -37,6 +37,7 @@ def the_number(sentence: str) -> tuple[float, float]:
     return float(value), float(bound)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("exponent", [1.0, 1.3, 1.4, 1.6, 2.0])
 def test_another_exponent_is_named_with_its_difference(right: Any, exponent: float) -> None:
     keys, reference = right
@@ -98,6 +99,7 @@ def test_a_time_step_that_is_too_long_is_named_with_its_size(right: Any, every: 
     assert cause.startswith(f"the time step of {every / steps:.4g} is too long: the scheme verlet")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [

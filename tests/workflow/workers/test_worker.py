@@ -10,6 +10,7 @@ import pytest
 from workflow.workers.pool import Task
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("starter", "works"), [(os.getpid, True), (os.getppid, False)], ids=["alive", "ended"])
 def test_a_worker_process_does_its_task_only_if_the_process_that_started_it_is_still_there(starter, works, tmp_path):
     task = Task("os:mkdir", {"path": str(tmp_path / "made")})

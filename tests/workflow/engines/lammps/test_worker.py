@@ -21,6 +21,7 @@ from workflow.runs.run_directory import RunDirectory
 LONG = scene(chains=2, beads=120, kappa=0.1, duration=1e5, every=1.0)
 
 
+@pytest.mark.slow
 def test_an_unstable_time_step_fails_in_the_first_segment_with_step_bound_and_remedy_in_units_of_the_scene(tmp_path):
     slow = scene(beads=20, kick=(Kick(velocity=1e-5),), timestep=20.0, every=20.0, duration=4e4)  # V**-0.2 = 10
     with pytest.raises(RunError, match=r"^by step 200, .* smaller timestep \(it is 20, unstable above 7\.98\)$"):
@@ -35,6 +36,7 @@ SLOW = pytest.mark.slow
 TWO = (SLOW, pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new", "ranks", "says"),
     [

@@ -189,6 +189,7 @@ def test_a_scheme_has_its_order_on_a_linear_spring(scheme):
     assert order(8 / steps, error) == pytest.approx(scheme.order, abs=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
 def test_a_contact_that_closes_and_opens_costs_an_error_of_order_five_halves(scheme):
     # the velocities after it, which are exactly 0 and 1; root mean square over where in a step the contact opens
@@ -211,6 +212,7 @@ def test_verlet_has_order_two_on_the_scenes_of_the_paper(name):
     assert order(0.4 / steps, error) == pytest.approx(2.0, abs=0.02)
 
 
+@pytest.mark.slow
 def test_blanes_moan_has_an_order_between_two_and_a_half_and_four_on_two_chains():
     # single contacts decide about the error at one step, so that many steps are needed: 2.5 +- 0.1 is measured
     like = problem(beads=60, duration=72.0, every=0.4)

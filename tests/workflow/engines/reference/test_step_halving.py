@@ -104,6 +104,7 @@ def test_beads_that_fly_freely_have_no_error():
     assert StepHalving(problem(chains=1, beads=3, kappa=0.0, gap=50.0)).run().velocity < 1e-15
 
 
+@pytest.mark.slow
 def test_what_rounding_forbids_is_not_certified():
     with pytest.raises(RunError, match=r"does not reach an error of 1\.0e-20"):
         accurate_reference(replace(problem(beads=4), frames=5), 1e-20)
