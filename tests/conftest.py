@@ -138,6 +138,12 @@ def draw_only(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
     return only
 
 
+@pytest.fixture
+def one_figure(draw_only: Callable[[str], None]) -> None:
+    """Of the figures of an analysis only the first is written, for tests that are not about them."""
+    draw_only("spacetime")
+
+
 @pytest.fixture(scope="module")
 def lammps_here() -> Iterator[None]:
     """Runs of LAMMPS on one rank take place in this process, for tests whose claim is not about one of its own."""
