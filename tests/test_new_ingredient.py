@@ -45,8 +45,9 @@ OWED = (
 )
 OWED += ("tests/test_readme.py", "tests/test_manual.py", "tests/test_every_ingredient.py")
 
-MOTIONS = "examples_are_valid or tends_to or suzuki or any_value_of_any_key or balanced"
-"""Tests that compile scenes of all ingredients, of which those of the new one are meant here."""
+MOTIONS = "examples_are_valid or any_value_of_any_key or any_positive or other_units or mirror or tends_to"
+MOTIONS += " or states_its_error or the_reference or balanced or suzuki"
+"""Tests that read or compile scenes of all ingredients, of which those of the new one are meant here."""
 
 UNFILLED = {
     "test_no_text_is_left_to_be_filled",

@@ -13,6 +13,8 @@ from workflow.cli import main
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes import branches, continuation, floquet, lammps_check, linear, shooting
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 CHAIN = {
     **{"name": "chain", "beads": 12, "kick": {"velocity": 1}, "duration": 10},
     **{"precompression": {"force": 1}, "walls": {"left": "bead", "right": "bead"}},
@@ -217,6 +219,7 @@ def test_decks_of_states_with_foundations_and_resonators_start_on_them():
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("drawn")
 def test_the_command_writes_tables_arrays_and_figures(tmp_path, capsys):
     path, out = tmp_path / "scene.yaml", tmp_path / "out"
     path.write_text(json.dumps(FOUR))
@@ -246,7 +249,7 @@ def checked(folder, *options):
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("lammps_here", "pool_here")
+@pytest.mark.usefixtures("pool_here")
 def test_lammps_agrees_with_states_of_all_energies_and_their_stability(tmp_path):
     states, lines = checked(tmp_path, "--energy", "0.05", "--points", "40", "--at-energy", "0.001,0.01,0.03,0.045")
     assert len(lines) == 6  # with the end of the branch, and behind its change of stability
