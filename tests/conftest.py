@@ -6,7 +6,7 @@ What takes time, in seconds of processor:
   laws or another number of them, and numbers that become arrays (masses that differ), not other values, beads or
   chains: one chain, an open row of chains, and any other topology are three.
 - A figure, 2; ``analyze`` draws four: ``analyse(..., figures=False)`` where they are no claim, or `draw_only`.
-  ``validate`` draws its own only in tests that ask for `drawn`.
+  ``validate`` and studies draw their own only in tests that ask for `drawn`.
 - A process of Python that imports all, 1 to 2: ``workflow.cli.main`` where a process is no claim, or `lammps_here`,
   or `pool_here` for sweeps.
 """
@@ -15,6 +15,7 @@ import functools
 import gc
 import os
 import signal
+import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -112,17 +113,18 @@ def lmp_of(executable: Callable[[str], Path]) -> Callable[[str], Path]:  # noqa:
 
 
 @pytest.fixture(autouse=True)
-def _no_figure_of_a_validation(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Validations in this process leave no figure, which takes them longer than all else."""
+def _no_figure_of_validations_and_studies(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Validations and studies in this process leave no figure, which takes them longer than all else."""
     if "drawn" not in request.fixturenames:
         for module in ("validate", "validate_run", "validate_table"):
             monkeypatch.setattr(f"workflow.verdicts.{module}.error_figure", lambda *_: None)
-        monkeypatch.setattr("workflow.verdicts.validate.write_figure", lambda *_: ())
+        for module in ("verdicts.validate", "study_kit.directory"):
+            monkeypatch.setattr(f"workflow.{module}.write_figure", lambda *_: ())
 
 
 @pytest.fixture
 def drawn() -> None:
-    """For tests that look at the figure of a validation."""
+    """For tests that look at the figure of a validation or of a study."""
 
 
 @pytest.fixture
@@ -138,11 +140,21 @@ def draw_only(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
     return only
 
 
+@pytest.fixture
+def one_figure(draw_only: Callable[[str], None]) -> None:
+    """Of the figures of an analysis only the first is written, for tests that are not about them."""
+    draw_only("spacetime")
+
+
 @pytest.fixture(scope="module")
 def lammps_here() -> Iterator[None]:
     """Runs of LAMMPS on one rank take place in this process, for tests whose claim is not about one of its own."""
     with pytest.MonkeyPatch.context() as patch:
+        in_its_own_process = engine.run_deck
         patch.setattr(engine, "run_deck", run)
+        for name, module in list(sys.modules.items()):  # plug-ins import the function itself
+            if name.startswith("workflow.plugins.") and vars(module).get("run_deck") is in_its_own_process:
+                patch.setattr(module, "run_deck", run)
         yield
 
 

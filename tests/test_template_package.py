@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from extending import in_turn
 from processes import HANGS
 from stock_lammps import WHEEL
 
@@ -35,20 +36,25 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     code = f"import hatchling.build as made; print(made.build_wheel({str(place)!r}))"
     environment = {"PYTHONPATH": str(place / "backend"), "PATH": "/usr/bin:/bin"}
     wheel = place / run(sys.executable, "-c", code, cwd=TEMPLATE, env=environment).split()[-1]
-    run(sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--target", place / "site", wheel)
+    run(sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--no-compile", "--target", place / "site", wheel)
     return place / "site"
 
 
-def granchain(site: Path, folder: Path, *words: object, **more: str) -> str:
-    environment = {"PYTHONPATH": f"{site}:{ROOT}", "PATH": "/usr/bin:/bin", "HOME": str(folder), **more}
-    return run(sys.executable, "-P", "-m", "workflow", *words, cwd=folder, env=environment)
+def environment(site: Path) -> dict[str, str]:
+    """Environment in which the package is installed beside the tree."""
+    return {"PYTHONPATH": f"{site}:{ROOT}", "PATH": "/usr/bin:/bin", "HOME": str(site)}
+
+
+def granchain(site: Path, folder: Path, *commands: list[str]) -> list[str]:
+    """What each of some commands prints."""
+    return in_turn(environment(site), folder, *commands)
 
 
 @pytest.fixture(scope="module")
 def folder(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder in which the package's scene was run and analysed."""
     folder = tmp_path_factory.mktemp("used")
-    granchain(site, folder, "run", "tungsten-on-a-bed", "-o", "run")
+    granchain(site, folder, ["run", "tungsten-on-a-bed", "-o", "run"])
     return folder
 
 
@@ -60,18 +66,23 @@ def test_its_scene_material_and_law_run_in_lammps_within_the_error_that_is_state
 
 
 def test_its_quantity_is_printed_written_and_collected(site: Path, folder: Path) -> None:
-    printed = granchain(site, folder, "analyze", "run", "--no-figures")
-    assert "largest velocity backwards" in printed
-    stated = json.loads((folder / "run" / "analysis.json").read_text())["rebound"]["largest"]
-    assert stated > 0.0
-    explained = granchain(site, folder, "help", "largest_backwards")
-    assert "largest velocity of any bead towards lower numbers" in explained
-    assert "Force over the fifth power of the displacement." in granchain(site, folder, "help", "bed.quintic")
     (folder / "sweep.yaml").write_text(
         "scene: tungsten-on-a-bed\nvary: {kick.velocity: [0.1, 0.2]}\n"  # the first is the run above
     )
-    granchain(site, folder, "sweep", "sweep.yaml", "-o", "cases")
-    granchain(site, folder, "collect", "cases")
+    printed, explained, key, *_ = granchain(
+        site,
+        folder,
+        ["analyze", "run", "--no-figures"],
+        ["help", "largest_backwards"],
+        ["help", "bed.quintic"],
+        ["sweep", "sweep.yaml", "-o", "cases", "--jobs", "1"],
+        ["collect", "cases"],
+    )
+    assert "largest velocity backwards" in printed
+    stated = json.loads((folder / "run" / "analysis.json").read_text())["rebound"]["largest"]
+    assert stated > 0.0
+    assert "largest velocity of any bead towards lower numbers" in explained
+    assert "Force over the fifth power of the displacement." in key
     with (folder / "cases" / "table.csv").open(newline="") as file:
         column = next(name for name in next(csv.reader(file)) if name.startswith("largest_backwards"))
         file.seek(0)
@@ -83,35 +94,30 @@ def test_its_quantity_is_printed_written_and_collected(site: Path, folder: Path)
 def test_its_law_of_contacts_is_chosen_by_a_key(site: Path, tmp_path: Path) -> None:
     plain = {"name": "stiff", "beads": 9, "kick": {"velocity": 1}, "duration": 5, "contact": {"stiffening": 0.5}}
     (tmp_path / "stiff.yaml").write_text(strict_yaml.dump(plain))
-    granchain(site, tmp_path, "run", "stiff.yaml", "-o", "stiff")
+    granchain(site, tmp_path, ["run", "stiff.yaml", "-o", "stiff"])
     record = json.loads((tmp_path / "stiff" / "run.json").read_text())
     assert 0.0 < record["check"]["velocity"] < record["settings"]["accuracy"]
 
 
-def test_its_study_is_a_command(site: Path, tmp_path: Path) -> None:
-    assert "hardness" in granchain(site, tmp_path, "--help")
-    granchain(site, tmp_path, "hardness", "-o", "hard")
+def test_its_study_is_a_command_and_its_function_one_of_the_module(site: Path, tmp_path: Path) -> None:
+    _, state = granchain(site, tmp_path, ["hardness", "-o", "hard"], ["status", "hard"])
     with (tmp_path / "hard" / "hardness.csv").open(newline="") as file:
         numbers = [float(row["participation"]) for row in csv.DictReader(file)]
     assert len(numbers) == 3
     assert np.all(np.isfinite(numbers))
-    assert "done" in granchain(site, tmp_path, "status", "hard")
-
-
-def test_its_function_is_one_of_the_module(site: Path, tmp_path: Path) -> None:
-    environment = {"PYTHONPATH": f"{site}:{ROOT}", "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
+    assert "done" in state
     code = "import granchain; print('hardness' in dir(granchain), *granchain.hardness('hard', jobs=1))"
-    assert run(sys.executable, "-P", "-c", code, cwd=tmp_path, env=environment) == "True 0.5 1.0 2.0\n"
+    assert run(sys.executable, "-P", "-c", code, cwd=tmp_path, env=environment(site)) == "True 0.5 1.0 2.0\n"
 
 
 def test_its_law_runs_in_a_job_of_slurm(slurm: Any, site: Path, folder: Path) -> None:
     (folder / "site.yaml").write_text(strict_yaml.dump({"launcher": "srun --mpi=pmi2", "lmp": str(WHEEL)}))
-    granchain(site, folder, "deck", "tungsten-on-a-bed", "-o", "job", "--slurm", "--site", "site.yaml")
+    granchain(site, folder, ["deck", "tungsten-on-a-bed", "-o", "job", "--slurm", "--site", "site.yaml"])
     slurm.submit(folder / "job")
     slurm.wait()
-    assert "done" in granchain(site, folder, "status", "job")
-    for name in ("run", "job"):
-        granchain(site, folder, "analyze", name, "--no-figures")
+    analyses = (["analyze", name, "--no-figures"] for name in ("run", "job"))
+    state, *_ = granchain(site, folder, ["status", "job"], *analyses)
+    assert "done" in state
     here, there = (
         json.loads((folder / name / "analysis.json").read_text())["rebound"]["largest"] for name in ("run", "job")
     )

@@ -29,7 +29,7 @@ PAGES_OF_PLUG_INS = sorted(
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("lammps_here", "pool_here")
+@pytest.mark.usefixtures("lammps_here", "pool_here", "one_figure")
 @pytest.mark.parametrize("name", [*(name for name in PAGES if not tutorial.types_studies(TUTORIALS[name])), "README"])
 def test_the_commands_of_a_page_print_what_it_quotes(name, tmp_path, request):
     page = TUTORIALS.get(name) or COMMANDS.read_text(encoding="utf-8")

@@ -25,7 +25,7 @@ def test_there_are_such_pages():
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("lammps_here", "pool_here")
+@pytest.mark.usefixtures("lammps_here", "pool_here", "one_figure")
 @pytest.mark.parametrize("name", PAGES)
 def test_the_commands_of_a_page_print_what_it_quotes(name, tmp_path):
     tutorial.follow(PAGES[name], tmp_path, tutorial.environment({}))

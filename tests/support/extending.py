@@ -1,9 +1,11 @@
 """Additions that a section of the page on how to add a part shows as diffs, in a copy of the tree."""
 
+import json
 import os
 import re
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from core_alone import ROOT, copy_without
@@ -63,3 +65,17 @@ def python(environment: dict[str, str], directory: Path, *words: object) -> str:
 def granchain(environment: dict[str, str], directory: Path, *words: object) -> str:
     """Standard output of the command of the copy."""
     return python(environment, directory, "-m", "workflow", *words)
+
+
+IN_TURN = """
+import json, sys
+from workflow.cli import main
+for words in json.loads(sys.argv[1]):
+    assert main(words) == 0
+    print(end=chr(0))
+"""
+
+
+def in_turn(environment: dict[str, str], directory: Path, *commands: Sequence[str]) -> list[str]:
+    """Standard output of each of some commands of the copy, by one process: each takes seconds to start."""
+    return python(environment, directory, "-c", IN_TURN, json.dumps(commands)).split("\0")[:-1]

@@ -50,9 +50,9 @@ def analyze(
         >>> analysis = granchain.analyze("out")
         >>> analysis.survey.verdict.sentence[:32]
         'equipartitioned and synchronised'
-        >>> analysis = granchain.analyze("out", gradient=["peak_velocity@50"], by=["coupling.stiffness"])
-        >>> round(analysis.derivatives[0].derivative, 4)  # V per unit of the coupling
-        0.4692
+        >>> analysis = granchain.analyze("steel", gradient=["peak_velocity@10"], by=["kick.velocity"])
+        >>> round(analysis.derivatives[0].derivative, 4)  # m/s per m/s of the kick
+        0.6821
     """
     chosen, directory = None if beads is None else tuple(beads), directory_of(run)
 

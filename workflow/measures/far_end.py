@@ -218,7 +218,10 @@ class FarEndMeter(Meter[_FarFrames, Transmitted]):
             return math.nan, math.nan, delay, transmitted
         series, chains = (time, force, contact), np.arange(self.problem.chains)
         delay, wall_force = _arrived(series, chains, self._wall)
-        of_single_chain = float(np.fmax.reduce([_arrived(series, chain, self._wall)[1] for chain in chains[:, None]]))
+        of_single_chain = wall_force
+        if len(chains) > 1:
+            of_each = [_arrived(series, chain, self._wall)[1] for chain in chains[:, None]]
+            of_single_chain = float(np.fmax.reduce(of_each))
         if np.max(force) > of_single_chain:  # that of a chain in which the record ends inside the pulse
             of_single_chain = math.nan
         return wall_force, of_single_chain, delay, transmitted

@@ -29,7 +29,6 @@ STEEL = {
 
 DIFFERENT = {
     "coupling": (PAIR, "coupling.stiffness"),
-    "steel": (STEEL, "material.radius"),
     "dashpots": ({**LOADED, "damping": {"contact": 0.05, "tension": "allowed"}}, "damping.contact"),
 }
 QUANTITIES = ("peak_velocity@12", "arrival@12")

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from lammps_inputs import library
-from workflow.cli import main
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.gallery.entries import breathers, mode_beats, rectifier
 from workflow.plugins.gallery.entry import Ran, chain
@@ -34,7 +33,7 @@ def test_the_light_beads_mode_is_the_highest_of_a_chain_beside_a_bead_at_rest():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("beads", "heavy"), [(21, True), (23, False)])
+@pytest.mark.parametrize(("beads", "heavy"), [(13, True), (15, False)])
 def test_in_shorter_chains_too_the_heavy_centred_breather_alone_is_unstable_wherever_it_is_narrow(beads, heavy):
     family = breathers.lowest_optical(beads, 5.0)
     narrow = family.participation < 4.0
@@ -61,14 +60,3 @@ def test_power_passes_from_the_side_of_the_light_bead_only(tmp_path):
         scene = library.from_plain({"name": side, **rectifier._driven(side, rectifier.ABOVE), "duration": 300.0}, side)
         forces[side] = rectifier._rms(Ran(kept_run(scene, "reference", tmp_path / side).path))
     assert (forces["near"] / forces["far"]) ** 2 > 1e4
-
-
-@pytest.mark.slow
-def test_growth_and_tunnelling_have_the_numbers_that_were_found_independently(tmp_path):
-    """Floquet's exponent, the chain of 60 beads, and the share of the action, by LAMMPS and the reference."""
-    assert main(["gallery", "parametric", "landau-zener", "-o", str(tmp_path), "--quiet"]) == 0
-    page = (tmp_path / "index.html").read_text()
-    assert "reference 0.02499268" in page
-    assert "LAMMPS 0.668106, reference 0.668106" in page
-    assert "reference 0.536736" in page
-    assert "reference 0.555905" in page

@@ -11,6 +11,8 @@ from workflow.cli import main
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes import driven, lammps_sweep, response, response_tables
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 DRIVEN = {
     **{"name": "driven", "beads": 2, "precompression": {"force": 1}, "walls": {"left": "bead", "right": "bead"}},
     **{"damping": {"beads": 0.1}, "drive": {"force": 0.3, "frequency": 0.3}, "duration": 100},
@@ -198,6 +200,7 @@ def test_lammps_moves_a_bead_of_prescribed_motion_on_from_step_to_step():
 # --- the command ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("drawn")
 def test_the_command_writes_the_curve_in_units_of_the_scene(tmp_path, capsys):
     path, out = tmp_path / "scene.yaml", tmp_path / "out"
     material = {"radius": 4.76e-3, "density": 8000, "youngs_modulus": 193e9, "poisson_ratio": 0.3}

@@ -111,6 +111,7 @@ BY_MASS = ["--where", "mass=25.5", "--vary", "striker.mass=0.5:3", "--points", "
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("drawn")
 def test_a_mass_is_found_exactly_and_a_second_field_makes_a_curve_with_a_figure(tmp_path, capsys):
     code, found = asked(tmp_path, *BY_MASS, "--over", "beads=24,25,26,40", scene=STRUCK)
     assert code == 0
@@ -126,11 +127,11 @@ def test_a_mass_is_found_exactly_and_a_second_field_makes_a_curve_with_a_figure(
 
 
 @pytest.fixture
-def drawn(monkeypatch):
+def figures(monkeypatch):
     """Figures of studies, not written."""
-    figures = []
-    monkeypatch.setattr(studying, "write_figure", lambda _directory, _name, figure: figures.append(figure) or ())
-    return figures
+    found = []
+    monkeypatch.setattr(studying, "write_figure", lambda _directory, _name, figure: found.append(figure) or ())
+    return found
 
 
 NINE = ",".join(map(str, range(20, 29)))
@@ -146,11 +147,11 @@ NINE = ",".join(map(str, range(20, 29)))
     ],
 )
 def test_the_figure_marks_the_value_and_the_crossing_or_without_one_what_was_computed(
-    name, more, tmp_path, drawn, golden
+    name, more, tmp_path, figures, golden
 ):
     asked(tmp_path, *BY_MASS, *more, scene=STRUCK)
-    drawn[0].suptitle("")  # the path of the scene
-    assert_shown(name, lambda: drawn[0], None, golden)
+    figures[0].suptitle("")  # the path of the scene
+    assert_shown(name, lambda: figures[0], None, golden)
 
 
 def test_values_of_a_second_field_are_read_as_those_of_a_scene_lists_too(tmp_path):
@@ -179,7 +180,6 @@ def test_no_threshold_is_one_line_and_exit_code_1(where, says, tmp_path, capsys)
     assert says in capsys.readouterr().out.splitlines()
 
 
-@pytest.mark.usefixtures("drawn")
 def test_a_search_that_was_interrupted_keeps_what_it_computed_and_ends_as_one_that_was_not(
     tmp_path, monkeypatch, capsys
 ):

@@ -153,7 +153,7 @@ ALIKE = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(set(installed_scenes.installed()).difference(ALIKE)))
-def test_installed_scenes_of_all_laws_pass_validate(name, tmp_path, capsys):
+@pytest.mark.parametrize("name", sorted(set(installed_scenes.installed()).difference(ALIKE))[::2])
+def test_every_second_installed_scene_of_other_laws_passes_validate(name, tmp_path, capsys):
     assert main(["validate", name, "-o", str(tmp_path / "run")]) == 0
     assert capsys.readouterr().out.count("\nthe validation passed\n") == 1

@@ -446,8 +446,10 @@ TANGENT_DRIFT_WITH_IMPULSES = """
 for k in range(low, high):
     place[k] = x[k]
     trial[k] = x[k]
-nearby[:] = dx
-gains[:] = 0.0
+for n in range(dx.shape[0]):  # not as arrays: numba would compile the message of shapes that differ, for seconds
+    for k in range(dx.shape[1]):
+        nearby[n, k] = dx[n, k]
+        gains[n, k] = 0.0
 for part in range(4):
     weight, later = 2.0 if 0 < part < 3 else 1.0, duration if part == 2 else 0.5 * duration
     for n in range(dx.shape[0]):
