@@ -50,7 +50,6 @@ EXAMPLES = {
 }
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("example", sorted(EXAMPLES))
 def test_examples_are_valid_scenes(example, tmp_path):
     (tmp_path / "hammer.csv").write_text("0, 0\n1, 0.5\n2, 0\n", encoding="utf-8")
