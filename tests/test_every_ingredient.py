@@ -148,6 +148,7 @@ def error_of_all_atoms(result, name):
     return max(of_beads, float(np.max(np.abs(further[:, 1] - exact_lines[:, 1]))))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ALL)
 def test_a_run_states_its_error(name, done):
     check, second = done(name).check, scene(name).problem().system.holds(Fact.SECOND_ORDER)

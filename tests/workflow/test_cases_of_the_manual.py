@@ -44,6 +44,7 @@ def test_cylinders_with_flat_ends_have_the_stated_pulse(run):
     assert "61,971 beads/s" in text
 
 
+@pytest.mark.slow
 def test_a_bead_of_a_linear_chain_sees_the_far_end_when_the_manual_says(tmp_path):
     # strains travel at sqrt(k / m) = 1 at most
     def run(beads):

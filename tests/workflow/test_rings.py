@@ -78,6 +78,7 @@ MARKED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("keys", "turned"), MARKED)
 def test_a_ring_whose_beads_are_numbered_from_another_one_moves_alike(keys, turned):
     here = velocity(ring(kick={"bead": 2, "velocity": 1.0}, **keys))

@@ -81,6 +81,7 @@ def test_frames_up_to_half_a_unit_apart_show_maxima_to_1e_4_and_say_so(fine):
         assert found.peak_velocity_error[found.bead < 60].max() < 1e-4
 
 
+@pytest.mark.slow
 def test_frames_one_unit_apart_show_maxima_of_a_damped_chain_to_half_a_per_cent_and_half_of_them_to_2e_4_and_say_so():
     plain = {"beads": 40, "kick": {"velocity": 1.0}, "duration": 60.0, "damping": {"contact": 0.02}}
     run = engine.run(of_keys(**plain, output={"every": 0.05}))
@@ -216,6 +217,7 @@ def test_the_error_of_a_peak_is_below_what_is_said_where_a_load_makes_motion_fas
         assert np.all(errors_of(found, true)[0] <= found.velocity_error), start
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping", [{"contact": 30.0}, {"contact": 0.3, "tension": "cut"}], ids=["strong", "cut"])
 def test_maxima_are_as_accurate_as_stated_where_dashpots_stop_beads_within_a_frame_or_let_go(damping):
     for beads, bead in ((3, 1), (6, 3)):

@@ -54,6 +54,7 @@ def test_two_beads_part_with_their_restitution(share: float, exponent: float, tm
     assert second - first == pytest.approx(share, abs=5e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("exponent", [1.2, pytest.param(2.5, marks=SLOW), pytest.param(3.0, marks=SLOW)])
 @pytest.mark.parametrize("wall", [False, pytest.param(True, marks=SLOW)])
 def test_by_the_reference_beads_of_any_exponent_part_with_their_restitution(exponent: float, *, wall: bool) -> None:

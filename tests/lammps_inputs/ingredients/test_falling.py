@@ -23,6 +23,7 @@ def scene(acceleration=0.1, **keys):
     return library.from_plain({"name": "fall", "beads": 3, "duration": 6.0, "gravity": gravity, **keys}, "x")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unlike", [{}, DIMER], ids=["equal", "unlike"])
 @pytest.mark.parametrize("drag", [{}, {"damping": {"beads": 1e-300}}], ids=["free", "forces"])
 def test_beads_without_support_fall_freely(unlike, drag, tmp_path):
@@ -34,6 +35,7 @@ def test_beads_without_support_fall_freely(unlike, drag, tmp_path):
         np.testing.assert_allclose(found - exact[:, None, None], 0.0, rtol=0.0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_bead_returns_to_the_height_from_which_it_fell_onto_a_floor(tmp_path):
     """The last bead, while the other one is far above: V is 20, so that an accuracy of 1e-6 is 2e-5 in velocity."""
     keys = {"beads": 2, "gap": 40.0, "walls": {"right": "rigid"}, "kick": {"velocity": -20.0}}
@@ -48,6 +50,7 @@ def test_a_bead_returns_to_the_height_from_which_it_fell_onto_a_floor(tmp_path):
     assert report.budget.energy_input[0] == pytest.approx(0.5, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_the_speed_at_the_floor_is_that_of_the_fall_to_every_digit():
     case = scene(gap=2.0, walls={"right": "flat"}, duration=math.sqrt(2.0 * 2.0 / 0.1), output={"every": 1e-3})
     velocity = engine.run(case.problem()).velocity[-1, 0, -1] * case.scale.velocity

@@ -75,6 +75,7 @@ def test_no_ramp_to_or_from_nearly_0_is_negative_by_rounding_in_lammps(ramp, lea
     np.testing.assert_array_less(np.abs(stiffness - np.interp(time, [begin, end], ends)), rounding)
 
 
+@pytest.mark.slow
 def test_a_foundation_that_vanishes_in_time_runs_in_lammps(tmp_path):
     case = scene(chains=1, coupling=None, beads=3, foundation={"stiffness": VANISHING}, duration=8.0, timestep=0.01)
     assert run(case, tmp_path / "run").check.velocity < 1e-4
@@ -124,6 +125,7 @@ def test_sound_on_springs_that_vary_has_no_dispersion():
         cell_of(scene(foundation=MODULATED, **pressed).system)
 
 
+@pytest.mark.slow
 def test_the_share_of_the_action_that_stays_is_a_quantity_of_studies():
     """That of the installed scene is the formula's, but for a start that is no pure mode."""
     share = of_scene(find("landau-zener").plain(), ("fastest_mode_action",), "landau-zener")["fastest_mode_action"]

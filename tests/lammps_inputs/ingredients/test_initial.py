@@ -56,6 +56,7 @@ def test_velocities_alone_are_kicks_which_add_to_those_of_the_same_bead():
     assert state.system.holds(Fact.PULSE)
 
 
+@pytest.mark.slow
 def test_a_normal_mode_of_a_linear_chain_keeps_its_shape(tmp_path):
     """Contacts of exponent 1 that stay closed are springs: ``x_i = a sin(q i) cos(omega t)`` between walls."""
     beads, size, q = 8, 1e-3, 3.0 * math.pi / 9.0
@@ -87,6 +88,7 @@ def test_a_bead_that_is_drawn_back_swings_on_its_foundation_as_a_cosine(tmp_path
     assert not np.any(done.trajectory.displacement[:, 0, 1:])
 
 
+@pytest.mark.slow
 def test_both_engines_start_from_the_same_numbers_to_the_last_bit(tmp_path):
     parts = {"beads": 40, "initial": [{"bead": 31, "displacement": 0.1234567890123}, {"bead": 7, "velocity": -0.3}]}
     case = scene(

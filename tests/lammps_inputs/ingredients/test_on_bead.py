@@ -109,6 +109,7 @@ def test_a_bead_that_is_moved_is_where_it_should_be_to_rounding_and_the_verdict_
     assert not trajectory.problem.system.holds(Fact.PULSE)
 
 
+@pytest.mark.slow
 def test_two_tones_move_a_bead_on_a_linear_spring_as_their_exact_response():
     """Chain 1 moves with two tones; the bead of chain 2 hangs on it by a spring and never touches another."""
     tones, w0 = ((0.3, 0.7), (0.2, 1.9)), 1.3

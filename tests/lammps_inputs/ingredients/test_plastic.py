@@ -98,6 +98,7 @@ def test_the_top_of_an_overlap_is_found_within_the_step_to_third_order():
     assert -np.polyfit(np.log(steps), np.log(error), 1)[0] > 2.4  # contacts that open allow no more than 2.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("contact", "step", "restitution", "most"),
     [(YIELD, 0.8, 0.6069081, 4e-3), ({"yield": {"law": "walton-braun", "restitution": 0.3}}, 0.4, 0.3, 1e-2)],

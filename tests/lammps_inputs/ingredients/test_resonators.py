@@ -58,6 +58,7 @@ def test_the_bound_of_the_step_holds_the_frequency_of_a_bead_and_its_resonator()
     assert own - plain == pytest.approx(1.0 * (1.0 + 1.0 / 0.1), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_frames_hold_the_resonators_and_tables_of_beads_do_not(tmp_path, lammps_here):  # noqa: ARG001
     case = small([{**LIGHT, "rows": [3, 4]}, {**HEAVY, "rows": [4, 5]}], timestep=0.01)
     done = run(case, tmp_path / "run", check=False)

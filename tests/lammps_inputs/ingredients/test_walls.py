@@ -133,6 +133,7 @@ ABSORBING = {"matched": ("matched", 1.0), "soft": ({"damping": 0.5}, 0.25), "har
 """Ends of a bar with Z = sqrt(k m) = 2, and c / Z."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("end", "side"), [("matched", "right"), ("soft", "left"), ("hard", "right")])
 def test_a_dashpot_at_the_end_of_a_bonded_bar_reflects_what_is_exact_for_waves_of_any_length(end, side):
     """R = (e^(-iq/2) - c/Z) / (e^(iq/2) + c/Z) for q radians a bead, from m u'' = k (u_N-1 - u_N) - c u'."""

@@ -77,6 +77,7 @@ def test_derivatives_are_those_of_differences_of_accurate_runs_to_six_digits(kin
         assert derivative.uncertainty < 3e-5 * abs(right)
 
 
+@pytest.mark.slow
 def test_quantities_that_bend_or_are_undefined_have_no_derivative():
     """Of two equal kicks either becomes the larger, and its chain that of the leading wave."""
     scene = scene_of({**CHAIN, "chains": 2, "kick": [{"velocity": 1}, {"chain": 2, "velocity": 1}]})

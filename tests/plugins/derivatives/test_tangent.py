@@ -66,6 +66,7 @@ def test_vectors_are_the_derivative_of_the_computed_map(changes):
     assert np.max(np.abs(flow.vectors[0] - expected)) < 1e-8 * np.max(np.abs(expected))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", [BLANES_MOAN, VERLET], ids=lambda scheme: scheme.name)
 def test_conservative_flow_keeps_areas_in_phase_space(scheme):
     flow = tangent.make_flow(
@@ -84,6 +85,7 @@ def test_conservative_flow_keeps_areas_in_phase_space(scheme):
     assert abs(area() - before) < 400 * 2.0**-52 * max(size, np.max(np.abs(flow.vectors))) ** 2 * 24
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [

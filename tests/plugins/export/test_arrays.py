@@ -52,6 +52,7 @@ def test_a_file_holds_what_the_attribute_dataset_holds_or_only_every_nth_frame(r
     np.testing.assert_array_equal(read(run, every=7, overwrite=True).velocity, run.trajectory.velocity[::7])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["steel", "damped"])
 def test_contact_forces_are_those_of_the_gauges(name, run_of):
     trajectory = run_of(name).trajectory

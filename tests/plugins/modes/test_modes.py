@@ -118,6 +118,7 @@ def test_the_monodromy_matrix_is_symplectic_and_that_of_a_full_period():
     assert np.max(np.abs(matrix.T @ turn @ matrix - turn)) < 1e-12
 
 
+@pytest.mark.slow
 def test_multipliers_near_rest_are_those_of_the_linear_modes():
     problem, modes = modes_of(FOUR)
     solver = branches.shooting_of(problem, modes, 0)
@@ -128,6 +129,7 @@ def test_multipliers_near_rest_are_those_of_the_linear_modes():
     assert np.allclose(angles, np.sort(wrapped), atol=1e-5)
 
 
+@pytest.mark.slow
 def test_newton_converges_quadratically():
     problem, modes = modes_of(CHAIN)
     first = shooting.first_state(branches.shooting_of(problem, modes, 11), 11, 1e-3)

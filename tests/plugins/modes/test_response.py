@@ -200,6 +200,7 @@ def test_lammps_moves_a_bead_of_prescribed_motion_on_from_step_to_step():
 # --- the command ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("drawn")
 def test_the_command_writes_the_curve_in_units_of_the_scene(tmp_path, capsys):
     path, out = tmp_path / "scene.yaml", tmp_path / "out"

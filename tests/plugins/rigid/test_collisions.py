@@ -80,6 +80,7 @@ def test_any_number_of_chains_moves_by_its_modes(chains, kappa):
         np.testing.assert_allclose(np.concatenate([x, v]), exact, rtol=0, atol=2e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kappa", [0.1, 1.0])
 def test_the_gap_of_eq_5_closes_in_a_quarter_period(kappa):
     gap = closing.gap_of_eq_5(kappa)
@@ -107,6 +108,7 @@ def test_at_the_gap_of_eq_5_chain_2_collides_after_half_a_period_with_three_quar
     np.testing.assert_allclose(found.target, [0.0, 0.25], rtol=0, atol=1e-15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("n", "kappa"), [(1, 0.1), (2, 0.5), (3, 3.0), (4, 0.1)])
 def test_theta_of_n_quarter_turns_loses_nothing_in_100_rows(n, kappa):
     """n odd hops chains at every row, n even stays in chain 1."""
@@ -121,6 +123,7 @@ def test_theta_of_n_quarter_turns_loses_nothing_in_100_rows(n, kappa):
     np.testing.assert_allclose(found.time * omega, n * math.pi * rows, rtol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("below", [1e-4, 1e-12])
 def test_the_loss_free_orbits_are_lost_within_20_rows_from_below(below):
     """There the other bead arrives a little before; a deviation e of one row is about e**(2/3) in the next."""
@@ -128,6 +131,7 @@ def test_the_loss_free_orbits_are_lost_within_20_rows_from_below(below):
     assert np.abs(found.striker[found.row == 20] - 1.0).min() > 0.01
 
 
+@pytest.mark.slow
 def test_a_small_gap_costs_theta_squared_over_two_of_the_energy_a_row():
     theta = 1e-3
     found = run(rigid_problem(beads=102, gap=theta, duration=1.0))
@@ -151,6 +155,7 @@ def test_beads_collide_after_the_sums_of_their_gaps():
     assert np.all(found.striker == 1.0)
 
 
+@pytest.mark.slow
 def test_beads_kicked_towards_each_other_exchange_velocities_where_their_paths_cross():
     kicks = [{"bead": 1, "velocity": 1.0}, {"bead": 3, "velocity": -0.5}]
     found = of_gaps([0.3, 0.5], beads=3, kick=kicks, duration=1.0)
@@ -245,6 +250,7 @@ def test_beads_never_overlap(chains, gap):
     np.testing.assert_allclose(energies(t), physics.energy(problem.system), rtol=1e-13)
 
 
+@pytest.mark.slow
 def test_the_scale_of_time_and_length_does_not_matter():
     """Rigid dynamics depend on theta alone."""
     kicks = random_kicks(2, 20, 3)
@@ -255,6 +261,7 @@ def test_the_scale_of_time_and_length_does_not_matter():
     assert np.array_equal(stiff.row, soft.row)
 
 
+@pytest.mark.slow
 def test_two_runs_are_the_same_bit_for_bit():
     problem = rigid_problem(3, 50, random_kicks(3, 50, 4), duration=30.0)
     for first, second in zip(vars(run(problem)).values(), vars(run(problem)).values(), strict=True):
@@ -264,6 +271,7 @@ def test_two_runs_are_the_same_bit_for_bit():
 # --- sampling ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_trajectory_has_the_frames_and_beads_of_the_problem():
     t = joined(blocks(run(rigid_problem(3, 30, recorded=(1, 7, 30), duration=50.0))))
     np.testing.assert_allclose(t.time, np.linspace(0.0, 50.0, 101))
@@ -271,6 +279,7 @@ def test_a_trajectory_has_the_frames_and_beads_of_the_problem():
     assert np.array_equal(t.velocity, whole.velocity[:, :, [0, 6, 29]])
 
 
+@pytest.mark.slow
 def test_times_may_come_in_any_order_and_hold_the_velocities_after_a_collision():
     found = run(rigid_problem(duration=50.0))
     times = np.random.default_rng(5).permutation(np.concatenate([found.time, np.linspace(0.0, 50.0, 77)]))

@@ -27,6 +27,7 @@ def test_at_multiples_of_half_pi_the_unmarked_collisions_are_those_of_the_exact_
     np.testing.assert_allclose(found.impulse[sure], 1.0, atol=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chains", [2, 3])
 @pytest.mark.parametrize("theta", [0.5, math.pi / 2.0, 2.0, math.pi * (1.0 - 1e-14), 5.0])
 def test_unmarked_collisions_do_not_depend_on_the_last_digits_of_the_coupling(theta, chains):
@@ -43,6 +44,7 @@ def test_unmarked_collisions_do_not_depend_on_the_last_digits_of_the_coupling(th
         assert apart[same].min() < 0.01  # tenfold the mark's
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
     [

@@ -41,6 +41,7 @@ def full(finished):
     return errors_of(finished.directory.blocks(), accurate_reference(problem, 1e-9).blocks())
 
 
+@pytest.mark.slow
 def test_errors_of_peaks_and_arrivals_are_null_where_no_pulse_leads(tmp_path):
     keys = {"name": "driven", "beads": 6, "drive": {"displacement": 0.1, "frequency": 0.2}, "duration": 12}
     run(library.from_plain({**keys, "timestep": 0.01, "output": {"every": 0.1}}, "driven"), tmp_path / "out")
@@ -123,6 +124,7 @@ def test_its_velocity_error_and_a_validation_are_also_of_resonators(light_resona
     assert not found.passed
 
 
+@pytest.mark.slow
 def test_a_time_step_for_an_accuracy_keeps_it_in_resonators(light_resonators, tmp_path):
     ready = prepare_run(light_resonators[0], tmp_path / "run")
     settings, directory = ready.step, run_prepared(ready).directory

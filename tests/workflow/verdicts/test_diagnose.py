@@ -38,6 +38,7 @@ OTHER = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("right", "wrong", "said"), OTHER.values(), ids=OTHER)
 def test_what_is_not_the_scenes_is_named_and_nothing_that_does_not_explain_the_difference(right, wrong, said):
     keys = {**COUPLED, **right}

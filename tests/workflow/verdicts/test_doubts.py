@@ -73,6 +73,7 @@ def pair(right, *changes):
     return replace(engine.run(replace(right, system=system)), problem=right), engine.run(right)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("keys", "change", "name"),
     [
@@ -103,6 +104,7 @@ def test_a_departure_within_what_the_interpolation_leaves_is_not_named(keys, cha
     assert found.unexplained < 3.0 * found.interpolation
 
 
+@pytest.mark.slow
 def test_all_that_departs_from_the_scene_is_named_largest_effect_first():
     right = problem({**GROUND, **SPRINGS})
     said = causes(*pair(right, (stiffer_springs, 1.02), (stiffer_ground, 1.5)))
@@ -112,6 +114,7 @@ def test_all_that_departs_from_the_scene_is_named_largest_effect_first():
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "factor", "said"),
     [(stronger_push, 0.0, "is missing"), (longer_push, 1.1, "is 1.1 times that of the scene")],

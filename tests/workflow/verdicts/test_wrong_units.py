@@ -116,6 +116,7 @@ def test_other_forces_and_masses_are_not_taken_for_units_or_steps(changes: dict[
     assert causes(other({**KEYS, **changes}, reference), reference) == [sentence]
 
 
+@pytest.mark.slow
 def test_a_force_that_is_no_power_is_named_without_a_number() -> None:
     reference = engine.run(scene(**KEYS).problem())
     hardening = {"coupling": {"stiffness": 0.1, "cubic": 0.3}}
