@@ -156,6 +156,7 @@ def test_a_run_states_its_error(name, done):
     assert check.velocity == pytest.approx(error_of_all_atoms(done(name), name), abs=check.reference.velocity)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ALL)
 def test_the_reference_is_within_its_stated_uncertainty_of_the_exact_motion(name, done):
     stated = done(name).check.reference.velocity

@@ -73,6 +73,7 @@ def test_the_budget_of_lammps_closes_to_the_error_of_the_run_and_is_told_and_val
     assert 0.0 < validated.deviations["energy"].largest < 2.0 * done.check.velocity
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("every", [2.5, 0.05])
 def test_the_budget_of_the_reference_closes_to_1e_9_however_far_apart_frames_are(every: float) -> None:
     problem = damped(every=every).problem()

@@ -72,6 +72,7 @@ FALLING = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["gaps", *(pytest.param(name, marks=pytest.mark.slow) for name in list(FALLING)[1:])])
 def test_a_column_that_falls_moves_as_by_the_independent_integrator(name, tmp_path):
     case = scene(**{"duration": 20.0, "timestep": 0.005, "output": {"every": 0.5}, **FALLING[name]})

@@ -57,9 +57,8 @@ def test_a_hertzian_chain_has_the_derivatives_of_its_scaling_law():
     assert arrival.derivative == pytest.approx(arrival.relative * arrival.value)
 
 
-@pytest.mark.parametrize(
-    "kind", [pytest.param(kind, marks=() if kind == "coupling" else pytest.mark.slow) for kind in DIFFERENT]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", DIFFERENT)
 def test_derivatives_are_those_of_differences_of_accurate_runs_to_six_digits(kind):
     keys, name = DIFFERENT[kind]
     plain = granchain.load(scene_of(keys)).resolved().plain()
@@ -144,6 +143,7 @@ def test_uncertainties_hold_in_95_percent_of_derivatives_of_scenes_of_all_ingred
     assert np.mean(decisive) >= 0.9  # less accurate differences would show nothing
 
 
+@pytest.mark.slow
 def test_frames_as_fine_as_memory_allows_are_taken_and_else_fewer_fields_are_asked_for(monkeypatch):
     scene = scene_of({**CHAIN, "beads": 8, "duration": 12})
     # 121 frames of 8 beads with a derivative take 31 kB, and twice as many fit

@@ -16,8 +16,6 @@ FIELDS = {
     "resonators": ("resonators.mass", "resonators.stiffness", "resonators.damping"),
     "driven": ("drive.frequency", "damping.beads"),
 }
-QUICK = ("coupled",)
-"""Others are slow, as each is compiled."""
 
 
 def resolved(changes):
@@ -35,9 +33,8 @@ def sides_of(scene, name):
     return Sides(*zip(*(beside(scene, name, share) for share in STEPS), strict=True))
 
 
-@pytest.mark.parametrize(
-    "kind", [pytest.param(kind, marks=() if kind in QUICK else pytest.mark.slow) for kind in FIELDS]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", FIELDS)
 def test_derivatives_are_those_of_the_computed_motion(kind):
     scene = resolved({**SMOOTH[kind], "duration": 10})
     problem = granchain.load(scene).problem()

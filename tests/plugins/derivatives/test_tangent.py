@@ -38,6 +38,7 @@ QUICK = ("coupled",)
 """Others are slow, as each is compiled."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
     [

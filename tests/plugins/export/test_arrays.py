@@ -64,6 +64,7 @@ def test_contact_forces_are_those_of_the_gauges(name, run_of):
     np.testing.assert_allclose(at_contact.contact_force.where(~rounding), np.where(rounding, np.nan, force), rtol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["steel", "damped", "coupled"])
 def test_an_overlap_is_0_where_beads_are_apart_and_else_the_approach_of_their_centres(name, run_of):
     run = run_of(name)

@@ -35,6 +35,7 @@ def test_deviations_of_a_chain_with_drag_decay_at_half_of_its_coefficient():
     assert np.all(errors < 2e-3)
 
 
+@pytest.mark.slow
 def test_exponents_of_a_conservative_chain_are_pairs_of_opposite_sign():
     values, errors = exponents(CHAOTIC, 24, 1500)
     both = np.hypot(errors, errors[::-1])

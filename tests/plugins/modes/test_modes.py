@@ -137,6 +137,7 @@ def test_newton_converges_quadratically():
     assert first.state.residual < 1e-12
 
 
+@pytest.mark.slow
 def test_a_branch_changes_stability_where_its_multipliers_pass_one():
     value = branches.computed(FOUR, "scene", 2, 0.06, 60, [0.03, 1e-7], 8)
     [change] = value["bifurcations"]

@@ -14,6 +14,7 @@ from workflow.plugins.rigid import engine as collisions
 from workflow.plugins.rigid.engine import blocks, run, sample
 
 
+@pytest.mark.slow
 def test_both_chains_at_once_carry_the_pulse_on_without_loss():
     found = run(rigid_problem(kicks=[(1, 1, 1.0), (2, 1, 1.0)], beads=50, gap=0.7))
     assert np.array_equal(found.row, np.repeat(np.arange(1, 50), 2))
@@ -22,6 +23,7 @@ def test_both_chains_at_once_carry_the_pulse_on_without_loss():
     np.testing.assert_allclose(found.impulse, 1.0, rtol=1e-13)
 
 
+@pytest.mark.slow
 def test_a_coupled_bead_struck_from_both_sides_keeps_the_mirror_symmetry():
     t = sample(run(rigid_problem(2, 3, [(1, 1, 1.0), (1, 3, -1.0)], duration=3.0)), np.linspace(0.0, 3.0, 50))
     np.testing.assert_allclose(t.velocity, -t.velocity[:, :, ::-1], rtol=0, atol=1e-13)
@@ -41,6 +43,7 @@ def test_without_springs_beads_leave_sorted_after_as_many_collisions_as_inversio
     assert np.array_equal(joined(blocks(found)).velocity[-1, 0], np.sort(v))
 
 
+@pytest.mark.slow
 def test_chains_without_springs_do_not_know_of_each_other():
     together = run(rigid_problem(2, 10, [(1, 1, 1.0), (2, 1, -0.5), (2, 10, -1.0)], kappa=0.0))
     assert np.array_equal(together.row[together.chain == 1], np.arange(1, 10))
@@ -48,6 +51,7 @@ def test_chains_without_springs_do_not_know_of_each_other():
     assert np.array_equal(together.row[together.chain == 2], np.arange(9, 1 - 1, -1))
 
 
+@pytest.mark.slow
 def test_an_exact_graze_exchanges_nothing():
     # chain 1 swings by sin(omega t) / omega and just reaches the next bead, without speed, again and again
     kicks = [(1, 1, 1.0), (2, 1, -1.0)]
@@ -58,6 +62,7 @@ def test_an_exact_graze_exchanges_nothing():
         assert first.impulse[0] == pytest.approx(math.sqrt(2e-10), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_beads_left_touching_at_rest_stay_at_rest():
     """The orbit theta = pi / 2 leaves every row at rest, in contact with the next in both chains."""
     gap = math.pi / 2.0 * (1.0 + 4.0 * np.finfo(float).eps)
@@ -66,6 +71,7 @@ def test_beads_left_touching_at_rest_stay_at_rest():
     np.testing.assert_allclose(sample(found, np.array([500.0])).velocity[0, :, :11], 0.0, rtol=0, atol=1e-13)
 
 
+@pytest.mark.slow
 def test_beads_that_travel_in_step_or_leave_the_row_never_meet():
     in_step = [(c, b, 1.0) for c in (1, 2) for b in range(1, 11)]
     assert len(run(rigid_problem(kicks=in_step, duration=1e6))) == 0
@@ -87,6 +93,7 @@ def test_a_contact_after_hundreds_of_quiet_periods_is_found():
     assert sample(found, before).displacement[:, :, 0].max() < gap
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [1e-6, 1e-300])
 def test_through_a_tiny_gap_the_kick_passes_unshared(gap):
     found = run(rigid_problem(beads=101, gap=gap, duration=1.0))
@@ -96,6 +103,7 @@ def test_through_a_tiny_gap_the_kick_passes_unshared(gap):
     np.testing.assert_allclose(found.time, gap * found.row, rtol=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [1e4, 1e8])
 def test_across_a_huge_gap_a_row_arrives_with_the_speed_of_its_mass(gap):
     found = run(rigid_problem(beads=3, gap=gap, duration=10 * gap), max_events=1)

@@ -14,6 +14,7 @@ from workflow.plugins.rigid.events import Collisions, from_events
 SI = make_scale(3.6e-3, 6.9e9, 0.7, si=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [0, 500])
 def test_a_table_of_collisions_reads_back(count, tmp_path):
     random = np.random.default_rng(count)
@@ -28,6 +29,7 @@ def test_a_table_of_collisions_reads_back(count, tmp_path):
         np.testing.assert_allclose(getattr(read, name), getattr(written, name), rtol=5e-16)
 
 
+@pytest.mark.slow
 def test_a_table_is_in_the_units_of_the_scene():
     written = Collisions(np.array([2.0]), np.array([1]), np.array([3]), np.array([0.5]), np.array([0.25]))
     head, line = csv_of(written, SI).splitlines()
@@ -48,6 +50,7 @@ def impulses(duration=10.0, **keys):
     return from_events(case, Collisions(run.time, run.chain, run.row, run.striker, run.target))
 
 
+@pytest.mark.slow
 def test_first_and_later_contacts_are_told_apart():
     found = impulses(beads=3, kicks=TWICE, gap=5.0, duration=60.0)
     np.testing.assert_allclose(found.first[0], [0.8, 1.0], rtol=0, atol=1e-15)
@@ -55,6 +58,7 @@ def test_first_and_later_contacts_are_told_apart():
     assert found.contacts.tolist() == [[2, 1]]
 
 
+@pytest.mark.slow
 def test_what_was_never_struck_has_no_impulse_and_no_time():
     found = impulses(beads=5, duration=2.5)
     assert found.contacts[0].tolist() in ([1, 1, 0, 0], [1, 0, 0, 0])

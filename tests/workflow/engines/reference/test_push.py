@@ -108,6 +108,7 @@ def test_the_work_on_frames_is_that_on_their_own_motion():
     np.testing.assert_allclose(found, 1.02 * own.exchange[:, -1], rtol=2e-4, atol=1e-15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("steps_a_call", [1, 3, 20], ids=lambda steps: f"{steps} steps a call")
 def test_frames_are_the_same_bit_for_bit_however_many_steps_a_call_takes(steps_a_call, monkeypatch):
     """Seven steps a frame, while a force acts: parts of a frame in a call, or two frames."""
@@ -120,6 +121,7 @@ def test_frames_are_the_same_bit_for_bit_however_many_steps_a_call_takes(steps_a
     np.testing.assert_array_equal(parts.exchange, whole.exchange)
 
 
+@pytest.mark.slow
 def test_nothing_moves_that_the_push_has_not_reached():
     one = pushed(Load(1, 20, half_sine(0.8, 2.0)), chains=1, beads=40, frames=50)
     whole = engine.run(one)
