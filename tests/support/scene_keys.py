@@ -52,7 +52,10 @@ def initial_rows(scene: Scene) -> list[tuple[int, int, float, float]]:
     """Line and bead, from 1, displacement and velocity."""
     found = []
     for part in scene.initial or ():
-        found += part.table or [(part.chain, part.bead, part.displacement or 0.0, part.velocity or 0.0)]
+        lists = [values for values in (part.displacement, part.velocity) if isinstance(values, tuple)]
+        beads = range(1, len(lists[0]) + 1) if lists else [part.bead]
+        x, v = (np.broadcast_to(values or 0.0, len(beads)).tolist() for values in (part.displacement, part.velocity))
+        found += part.table or [(part.chain, *row) for row in zip(beads, x, v, strict=True)]
     return found
 
 
