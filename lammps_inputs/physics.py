@@ -361,7 +361,7 @@ def span_at_start(system: System) -> tuple[int, int]:
 
     All others feel no force until a neighbour moves.
     """
-    if system.weights or system.closing:
+    if system.closing:
         return 1, system.beads
     beads = [bead for _, bead, _ in excitations(system)] + _moved_by_ground(system)
     if system.start is not None:
@@ -374,7 +374,7 @@ def span_at_start(system: System) -> tuple[int, int]:
 def _moved_by_ground(system: System) -> list[int]:
     """First and last bead, counted from 1, on which links to the ground act at rest at any time; none if on no bead."""
     rest, acting = np.zeros((system.chains, system.beads)), np.zeros(system.beads, dtype=bool)
-    for link in system.ground:
+    for link in (*system.ground, *system.weights):
         for time in _sampled_times(link.law) if link.law.varies else [0.0]:
             acting |= np.any(link.at(time).force(rest) != 0.0, axis=0)
     beads = np.flatnonzero(acting)

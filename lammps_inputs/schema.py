@@ -6,7 +6,11 @@ Examples:
     ('granchain site', ['gigabytes', 'hours'])
 """
 
+import ast
+import functools
+import inspect
 import re
+import textwrap
 from typing import Any
 
 from pydantic import BaseModel
@@ -63,3 +67,31 @@ def _written(schema: Any) -> Any:
             return {**values[0], **result}
         result["anyOf"] = values
     return result
+
+
+def meanings(model: type[BaseModel]) -> dict[str, str]:
+    """What stands below each field of a part of a scene, and of the types it is made from, or in the field itself.
+
+    Examples:
+        >>> schema.meanings(registry.INGREDIENTS["walls"])["left"]
+        'Wall, or dashpot, before the first beads; none if omitted.'
+    """
+    texts = {key: field.description or "" for key, field in model.model_fields.items()}
+    for parent in reversed(model.__mro__[: model.__mro__.index(BaseModel)]):
+        texts |= _below_fields(parent)
+    return texts
+
+
+@functools.cache
+def _below_fields(model: type) -> dict[str, str]:
+    """What stands below each field in the source of one type."""
+    try:
+        tree = ast.parse(textwrap.dedent(inspect.getsource(model))).body[0]
+    except (OSError, TypeError):  # made at run time
+        return {}
+    assert isinstance(tree, ast.ClassDef)
+    return {
+        field.target.id: " ".join(str(ast.literal_eval(text.value)).split())
+        for field, text in zip(tree.body, tree.body[1:], strict=False)
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(text, ast.Expr)
+    }

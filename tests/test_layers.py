@@ -16,10 +16,9 @@ from workflow import lazy_names
 ROOT = Path(__file__).parents[1]
 PLUG_INS = ROOT / "workflow" / "plugins"
 FACES = ("granchain", "granchain.parts")
-MOST_NAMES = 124
-
 OF_LAWS = {"DeckLines", "FurtherAtoms"}
 """Names for laws and ingredients of other distributions."""
+MOST_NAMES = 124
 """Names of the core that all plug-ins and the template package together may take."""
 BELOW = {
     "lammps_inputs": set(),

@@ -19,7 +19,6 @@ from lammps_inputs.ingredients.registry import INGREDIENTS
 from lammps_inputs.output import Forces, Limits, Output, Spectra
 from lammps_inputs.scene import Kick, Material, Scene
 from lammps_inputs.units import Unit
-from workflow.plugins.help.handbook import meanings
 
 _TYPES: list[type[BaseModel]] = [
     Material,
@@ -92,7 +91,7 @@ def table(name: str) -> str:
     if issubclass(model, Contact) and model is not PowerContact:  # whose table is above the others
         shared = PowerContact.model_fields
         chosen = [key for key in chosen if key not in shared or str(model.model_fields[key]) != str(shared[key])]
-    described, meaning = _schema(model), meanings(model)
+    described, meaning = _schema(model), schema.meanings(model)
     defs = described.get("$defs", {})
     # of a part that may be a number, too, its keys
     described = next((option for option in described.get("anyOf", ()) if "properties" in option), described)

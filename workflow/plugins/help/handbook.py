@@ -1,6 +1,5 @@
 """The scene reference `SCENES.md` as text for a terminal, section by section."""
 
-import ast
 import functools
 import importlib.resources
 import inspect
@@ -8,9 +7,7 @@ import re
 import textwrap
 from collections.abc import Iterator
 
-from pydantic import BaseModel
-
-from granchain.parts import registry, units
+from granchain.parts import registry, schema, units
 
 WIDTH = 100
 INDENT = " " * 6
@@ -49,7 +46,7 @@ def of_ingredient(name: str) -> str | None:
     key = name.partition(".")[0]
     if (kind := registry.INGREDIENTS.get(key)) is None:
         return None
-    meaning, rows = meanings(kind), ["| key | unit | default | meaning |", "|---|---|---|---|"]
+    meaning, rows = schema.meanings(kind), ["| key | unit | default | meaning |", "|---|---|---|---|"]
     for label, field in kind.model_fields.items():
         symbols = [part.si for part in field.metadata if isinstance(part, units.Unit) and isinstance(part.si, str)]
         default = "required" if field.is_required() else "" if field.default is None else str(field.default)
@@ -57,29 +54,6 @@ def of_ingredient(name: str) -> str | None:
     parts = [f"# {key}", inspect.getdoc(kind) or "", "\n".join(rows)]
     parts += [f"```\n{key}: {kind.example}\n```"] if kind.example else []
     return _plain("\n\n".join(parts))
-
-
-def meanings(model: type[BaseModel]) -> dict[str, str]:
-    """What stands below each field of a part of a scene, and of the types it is made from, or in the field itself."""
-    texts = {key: field.description or "" for key, field in model.model_fields.items()}
-    for parent in reversed(model.__mro__[: model.__mro__.index(BaseModel)]):
-        texts |= _below_fields(parent)
-    return texts
-
-
-@functools.cache
-def _below_fields(model: type) -> dict[str, str]:
-    """What stands below each field in the source of one type."""
-    try:
-        tree = ast.parse(textwrap.dedent(inspect.getsource(model))).body[0]
-    except (OSError, TypeError):  # made at run time
-        return {}
-    assert isinstance(tree, ast.ClassDef)
-    return {
-        field.target.id: " ".join(str(ast.literal_eval(text.value)).split())
-        for field, text in zip(tree.body, tree.body[1:], strict=False)
-        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(text, ast.Expr)
-    }
 
 
 def of_word(word: str) -> str | None:

@@ -431,5 +431,8 @@ def test_a_law_in_time_moves_beads_at_rest_far_from_the_kick():
     moved = run(replace(still, system=replace(still.system, links=(*still.system.links, wind))))
     expected = 0.05 * moved.time[:, np.newaxis] ** 2 + (np.arange(12) == 11)  # v' = t / 10; the last bead flies off
     np.testing.assert_allclose(moved.velocity[:, 0], expected, rtol=0.0, atol=1e-12)
+
+
+def test_a_law_in_time_between_beads_is_refused():
     with pytest.raises(ValueError, match="wind: a law that depends on time is that of links to the ground"):
         Links.along("wind", Wind(0.1))
