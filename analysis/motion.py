@@ -261,23 +261,39 @@ def _drag_and_rate(block: Trajectory) -> tuple[Floats, Floats]:
     return drag, rate
 
 
-def larger_overlap(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> Floats:
-    """The larger of a bead's two overlaps at chosen (frame, chain, bead) positions of a block, negative if apart.
+def pressing(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> Floats:
+    """Force of a bead's contact times its overlap, over the bead's mass: the larger of its two, negative if apart.
 
-    Indices count from 0 and have one shape, which the result has; NaN where not all beads are recorded.
+    Over the velocity squared it is the same for a pulse of any amplitude in contacts of any strength.
+
+    Args:
+        block: frames.
+        frame, chain, bead: positions in it, from 0, of one shape.
+
+    Returns:
+        [...] of that shape, in units of V squared; NaN where not all beads are recorded.
     """
     result = np.full(frame.shape, np.nan)
     if block.problem.rows.neighbours:
         x, system = block.displacement, block.problem.system
+        row = block.first - 1 + bead
         for link in system.closing:
             for near in link.of_beads(chain, bead, x.shape[1:]):
                 overlap = (
                     near.apart(x[frame, chain, bead], x, frame) + link.law.rest - link.gap_at(near.line, near.place)
                 )
-                result = np.fmax(result, np.where(near.exists, overlap, -np.inf))
+                force = laws.whole_force(laws.at(link.law, near.line, near.place), overlap)
+                result = np.fmax(result, np.where(near.exists, _over_apart(overlap, force), -np.inf))
         for side in (-1, 1):
             other = np.clip(bead + side, 0, x.shape[2] - 1)
-            overlap = side * (x[frame, chain, bead] - x[frame, chain, other])
-            overlap = overlap + rest_overlap(block.problem.system, chain, block.first - 1 + np.minimum(bead, other))
-            result = np.fmax(result, np.where(other == bead, -np.inf, overlap))
+            contact = np.clip(row + min(side, 0), 0, system.beads - 2)
+            overlap = side * (x[frame, chain, bead] - x[frame, chain, other]) + rest_overlap(system, chain, contact)
+            work = _over_apart(overlap, contact_force(system, overlap, chain, contact))
+            result = np.fmax(result, np.where(other == bead, -np.inf, work))
+        result /= physics.mass_of(system, chain, row)
     return result
+
+
+def _over_apart(overlap: Floats, force: Floats) -> Floats:
+    """Force times overlap where beads overlap; the overlap, which is negative, where they are apart."""
+    return np.where(overlap > 0.0, force * overlap, overlap)

@@ -89,7 +89,8 @@ class Brackets(Columns):
     """Where the slope may fall to zero first, where that of the polynomial does, and where it has fallen for certain:
     lower and upper end of each, [place, end, maximum] in s = (time - origin) / spacing."""
     certain: Flags
-    overlap: Floats
+    pressing: Floats
+    """See `analysis.motion.pressing`."""
     displacement: Floats
     """Displacement at the origin, [maximum] in units of L."""
     velocity: Floats
@@ -236,7 +237,7 @@ def between_pairs(
 
 
 def _rows(block: Trajectory, fit: _Fit, entry: Integers, places: Floats, certain: Flags, frame: Integers) -> Brackets:
-    """Brackets at positions among the polynomials; frames are those of the overlap, [polynomial]."""
+    """Brackets at positions among the polynomials; frames are those of the contacts, [polynomial]."""
     chain, bead = fit.chain[entry], fit.bead[entry]
     return Brackets(
         chain=chain + 1,
@@ -245,7 +246,7 @@ def _rows(block: Trajectory, fit: _Fit, entry: Integers, places: Floats, certain
         spacing=np.full(len(entry), block.spacing),
         places=places,
         certain=certain,
-        overlap=motion.larger_overlap(block, frame[entry], chain, bead),
+        pressing=motion.pressing(block, frame[entry], chain, bead),
         displacement=fit.displacement[entry],
         velocity=fit.velocity[:, entry],
         off=fit.off[:, entry],

@@ -51,8 +51,8 @@ class Peaks(Columns):
         chain, bead: counted from 1.
         time: of the maximum, in units of T.
         velocity: the maximum along ``direction``, in units of V; always positive.
-        overlap: the bead's larger overlap with a neighbour at the nearest frame, in units of L, negative where both
-            are apart; NaN where not all beads are recorded.
+        pressing: force of a contact of the bead times its overlap, over the bead's mass, the larger of two, at the
+            nearest frame, in units of V squared; negative where neighbours are apart; NaN where not all are recorded.
         centre: centre in time of all the impulse that the bead was given until then, in units of T. It is ``time - x /
             velocity`` with the displacement x at the maximum, which hardly depends on ``time``: also where a bead flies
             on at its largest velocity, it is sharp.
@@ -65,7 +65,7 @@ class Peaks(Columns):
     bead: Integers
     time: Floats
     velocity: Floats
-    overlap: Floats
+    pressing: Floats
     centre: Floats
     time_error: Floats
     velocity_error: Floats
@@ -79,15 +79,15 @@ class Peaks(Columns):
         return self.where(new)
 
 
-FREE = 0.05
-"""Overlap at its peak, over velocity**0.8, below which a bead is taken for one that flies freely (the exact solitary
-wave has 0.66). Such a velocity reaches a level and stays: the time of its maximum is undefined.
+FREE = 5.6e-4
+"""Pressing at its peak, over the velocity squared, below which a bead is taken for one that flies freely (the exact
+solitary wave of spheres has 0.35). Such a velocity reaches a level and stays: the time of its maximum is undefined.
 """
 
 
 def sharp(peaks: Peaks) -> Flags:
     """Mask, [maximum], of passages of defined time: all but those of beads that fly freely, as far as that is known."""
-    return ~(peaks.overlap < FREE * peaks.velocity**0.8)
+    return ~(peaks.pressing < FREE * peaks.velocity**2)
 
 
 Places = tuple[Integers, Integers, Integers]
@@ -220,7 +220,7 @@ def _refined(brackets: Brackets) -> Peaks:
         bead=brackets.bead,
         time=time,
         velocity=velocity,
-        overlap=brackets.overlap,
+        pressing=brackets.pressing,
         centre=centre,
         time_error=time_error,
         velocity_error=velocity_error,

@@ -35,7 +35,7 @@ LONGEST_GAP = 3
 """Recorded beads in a row at which a pulse may be missing, as where two pulses cross."""
 
 PRESSED = 0.2
-"""Share of the exact wave's overlap at the passage of its peak that a passage must show."""
+"""Overlap that a passage must show at its peak, as a share of that of the exact wave of the contact's strength."""
 
 LATEST, EARLIEST = 1.8, 0.3
 """Bounds on a passage's delay from the bead before, over the delay of the exact wave of this amplitude."""
@@ -108,8 +108,9 @@ def track_pulses(peaks: Peaks, problem: Problem, *, smallest: float = SMALLEST) 
         beads = problem.rows.numbers
     least = max(2, min(LEAST_BEADS, len(beads)))
     exact, speed_at = wave_of(problem.system), speed_of_pulses(problem)
-    pressed = PRESSED * exact.overlap(0.5) * peaks.velocity ** (2.0 / (exact.exponent + 1.0))
-    passages = peaks.where((peaks.velocity > 0.25 * smallest) & ~(peaks.overlap < pressed) & np.isin(peaks.bead, beads))
+    pressing = exact.strength * (PRESSED * exact.overlap(0.5)) ** (exact.exponent + 1.0) * peaks.velocity**2
+    fast, pressed = peaks.velocity > 0.25 * smallest, ~(peaks.pressing < pressing)
+    passages = peaks.where(fast & pressed & np.isin(peaks.bead, beads))
     pulses = []
     for chain in np.unique(passages.chain):
         in_chain = passages.where(passages.chain == chain)

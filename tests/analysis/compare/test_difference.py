@@ -93,11 +93,11 @@ def test_arrival_and_amplitude_are_those_of_the_pulse(run):
     )
 
 
-def peaks(*entries, overlap=1.0):
+def peaks(*entries, pressing=1.0):
     """Peaks of (chain, bead, time, velocity)."""
     chain, bead, time, velocity = (np.array(column) for column in zip(*entries, strict=True))
-    overlaps, sure = np.broadcast_to(overlap, len(chain)).astype(float), np.zeros(len(chain))
-    return Peaks(chain, bead, time, velocity, overlaps, time, sure, sure, sure)
+    pressed, sure = np.broadcast_to(pressing, len(chain)).astype(float), np.zeros(len(chain))
+    return Peaks(chain, bead, time, velocity, pressed, time, sure, sure, sure)
 
 
 def test_passages_are_matched_by_bead_without_faint_ones_the_start_and_the_last_bead():
@@ -108,11 +108,11 @@ def test_passages_are_matched_by_bead_without_faint_ones_the_start_and_the_last_
 
 
 @pytest.mark.parametrize(
-    ("overlap", "velocity", "is_sharp"),
-    [(0.66, 1.0, True), (0.66 * 0.01**0.8, 0.01, True), (0.0, 1.0, False), (-3.0, 1.0, False), (np.nan, 1.0, True)],
+    ("pressing", "velocity", "is_sharp"),
+    [(0.35, 1.0, True), (0.35 * 0.01**2, 0.01, True), (0.0, 1.0, False), (-3.0, 1.0, False), (np.nan, 1.0, True)],
 )
-def test_a_passage_is_sharp_unless_the_bead_flies_freely(overlap, velocity, is_sharp):
-    assert sharp(peaks((1, 1, 0.0, velocity), overlap=overlap)).tolist() == [is_sharp]
+def test_a_passage_is_sharp_unless_the_bead_flies_freely(pressing, velocity, is_sharp):
+    assert sharp(peaks((1, 1, 0.0, velocity), pressing=pressing)).tolist() == [is_sharp]
 
 
 @pytest.mark.parametrize(("kappa", "gap"), [(1.0, 0.909), (0.1, 1.0)])

@@ -56,6 +56,23 @@ def test_first_maxima_alone_are_the_first_of_all_however_far_apart_frames_are(fi
         assert np.array_equal(getattr(alone, field.name), getattr(first, field.name), equal_nan=True), field.name
 
 
+@pytest.mark.parametrize(("strength", "mass", "exponent"), [(1e-4, 1.0, 1.5), (1e6, 1.0, 1.5), (1e6, 100.0, 3.0)])
+def test_maxima_of_stronger_contacts_and_heavier_beads_are_those_of_equal_ones_at_another_time(
+    strength, mass, exponent
+):
+    """Velocities of equal kicks are the same at t (A / m)**(1 / (n + 1)): whichever arrivals are known is, too."""
+    factor = (strength / mass) ** (1.0 / (exponent + 1.0))
+    scene = {"chains": 1, "beads": 20, "kick": {"velocity": 1.0}}
+    plain = of_keys(**scene, contact={"exponent": exponent}, duration=30.0)
+    contact = {"exponent": exponent, "strength": strength}
+    beads = {"kinds": {"heavy": {"mass": mass}}, "pattern": ["heavy"]}
+    other = of_keys(**scene, **beads, contact=contact, duration=30.0 / factor, output={"every": 0.1 / factor})
+    expected, found = (find_peaks([engine.run(each)]) for each in (plain, other))
+    assert found.bead.tolist() == expected.bead.tolist()
+    assert sharp(found).tolist() == sharp(expected).tolist() == [False, *(18 * [True]), False]
+    assert np.all(np.abs(found.velocity - expected.velocity) <= found.velocity_error + expected.velocity_error + 1e-6)
+
+
 @pytest.mark.parametrize("recorded", [None, (5, 20, 21, 22, 30, 31, 40, 50, 55)])
 @pytest.mark.parametrize("every", [0.1, 0.5, 0.83, 1.24, 1.6])
 def test_no_maximum_is_farther_off_than_it_says_however_coarse_the_frames(fine, every, recorded):
