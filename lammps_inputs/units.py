@@ -139,11 +139,16 @@ class Label:
     def prefixed(self, largest: float) -> tuple["Label", float]:
         """Label with a prefix before an SI unit that leaves few digits, and the factor for numbers in the plain unit.
 
+        Reduced units have a power of ten in place of a prefix, where numbers are below 1e-3 or above 1e6.
+
         Args:
             largest: size of the largest number, in the unit.
         """
-        power, letter = prefix(self.unit, largest) if self.unit else (0, "")
-        return replace(self, unit=letter + self.unit), 10.0 ** (-3 * power)
+        power, before = prefix(self.unit, largest) if self.unit else (0, "")
+        if self.unit == REDUCED and abs(thousands(largest)) > 1:
+            power = thousands(largest)
+            before = f"$10^{{{3 * power}}}$ "
+        return replace(self, unit=before + self.unit), 10.0 ** (-3 * power)
 
 
 OWN_UNITS = ("V", "T", "L")

@@ -25,7 +25,7 @@ import numpy as np
 from analysis.quantity import declare, declared, result
 from analysis.trajectory import Flags, Floats, Integers
 from lammps_inputs import Problem, laws, physics
-from lammps_inputs.units import REDUCED, SI, Label, thousands
+from lammps_inputs.units import REDUCED, Label
 
 MAX_PANELS = 9
 """Chains that a figure shows at most, see `shown_chains`."""
@@ -87,13 +87,8 @@ def axis_unit(problem: Problem, quantity: str, largest: float) -> AxisUnit:
         largest: size of the largest number on the axis, dimensionless.
     """
     worth = float(problem.scale.measured(1.0, quantity))
-    if problem.scale.si:
-        label, factor = Label("", unit=SI[quantity]).prefixed(largest * worth)
-        return AxisUnit(worth * factor, label.unit)
-    power = thousands(largest * worth)
-    if -1 <= power <= 1:
-        return AxisUnit(worth, "reduced")
-    return AxisUnit(worth / 10.0 ** (3 * power), f"$10^{{{3 * power}}}$ reduced")
+    label, factor = Label("", unit=problem.scale.symbol(quantity)).prefixed(largest * worth)
+    return AxisUnit(worth * factor, label.unit)
 
 
 # --- panels -----------------------------------------------------------------------------------------------------------

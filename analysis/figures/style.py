@@ -1,8 +1,8 @@
 """What all figures share: colours, dashes, sizes, legends, and how one becomes the content of a file.
 
 Plug-ins take this module so that their figures look like the others: a function that draws is `styled`, begins with
-`new_figure`, takes colours from `CHAIN_COLOURS`, and ends with `letter`, `head` and `legend_below`. `picture` gives the
-content of a file. Units and titles are those of `panels`.
+`new_figure`, takes colours from `CHAIN_COLOURS`, and ends with `label_axis`, `letter`, `head` and `legend_below`.
+`picture` gives the content of a file. Titles are those of `panels`.
 
 Examples:
     >>> @style.styled
@@ -35,6 +35,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from analysis.figures.paper import NARROW, WIDTH
 from analysis.trajectory import Integers
+from lammps_inputs.units import Label
 
 CHAIN_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#882255", "#7F7F7F")
 """Okabe and Ito's palette, ordered for contrast between the first few; wine (Tol) and grey."""
@@ -154,6 +155,25 @@ def legend_beside(figure: Figure, handles: Sequence[Any], labels: Sequence[str],
         figure.legend(handles, labels, loc="outside right center", **options)
 
 
+def label_axis(setting: XAxis | YAxis, label: Label) -> None:
+    """Write words, symbol and unit beside an axis, with a prefix or power of ten before the unit for short numbers.
+
+    Args:
+        setting: the axis, when all is drawn; a logarithmic one keeps the unit and its powers of ten.
+        label: with the unit of what is drawn.
+    """
+    if setting.get_scale() == "log":
+        setting.set_label_text(label.mathtext)
+        return
+    ends = np.abs(setting.get_view_interval())
+    shown, worth = label.prefixed(float(np.max(ends[np.isfinite(ends)], initial=0.0)))
+    setting.set_label_text(shown.mathtext)
+    if worth != 1.0:
+        setting.set_major_formatter(
+            FuncFormatter(lambda value, _: f"{value * worth:.10g}".replace("-", "\N{MINUS SIGN}"))
+        )
+
+
 def label_log_axis(setting: XAxis | YAxis) -> None:
     """Label powers of ten, at most six; of few decades also digits between them, as plain numbers, as many as fit."""
     low, high = setting.get_view_interval()
@@ -182,8 +202,9 @@ LETTERS_PER_INCH = 13
 
 
 def _wrapped(line: str, width: float) -> str:
-    """A line of a title in lines that fit into a width in inches; formulas, between dollar signs, are not broken."""
+    """A line of a title in lines that fit into a width in inches, unbroken in formulas, at ``=`` and after numbers."""
     unbroken = re.sub(r"\$[^$]*\$", lambda formula: formula[0].replace(" ", "\0"), line)
+    unbroken = re.sub(r" (?==)|(?<==) |(?<=\d) ", "\0", unbroken)
     return "\n".join(textwrap.wrap(unbroken, max(20, int(LETTERS_PER_INCH * width)))).replace("\0", " ")
 
 

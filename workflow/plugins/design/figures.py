@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
 
-from granchain.parts import Floats, Integers, studies, style, units
+from granchain.parts import Floats, Integers, style, units
 
 
 @dataclass(frozen=True)
@@ -37,10 +36,7 @@ def _finished(axis: Axes, x: units.Label, y: units.Label, objective: Objective |
     if objective is not None and objective.beside is not None:
         axis.axhline(objective.beside, color=style.CHAIN_COLOURS[1], linestyle=(0, (4, 1.5)), label="set against")
     for setting, label in ((axis.xaxis, x), (axis.yaxis, y)):
-        shown, worth = label.prefixed(studies.largest_of(np.asarray(setting.get_data_interval())))
-        setting.set_label_text(shown.mathtext)
-        if worth != 1.0:
-            setting.set_major_formatter(FuncFormatter(lambda value, _, worth=worth: f"{value * worth:.6g}"))
+        style.label_axis(setting, label)
     figure = axis.get_figure()
     assert isinstance(figure, Figure)
     figure.legend(loc="outside upper center", ncols=2)

@@ -1,7 +1,7 @@
 """Figure of Lyapunov exponents: their convergence over time, and where there are several, all of them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -61,8 +61,8 @@ def draw(
     elif np.isfinite(bounds[0]):
         axes[0].axhspan(-bounds[0], bounds[0], color="0.9", label="result: cannot be distinguished from 0")
     axes[0].set_xscale("log")
-    axes[0].set_xlabel(labels[1].mathtext)
-    axes[0].set_ylabel(f"largest {labels[0].mathtext}")
+    style.label_axis(axes[0].xaxis, labels[1])
+    style.label_axis(axes[0].yaxis, replace(labels[0], words=f"largest {labels[0].words}"))
     if several:
         number = np.arange(1, len(exponents) + 1)
         axes[1].vlines(number, -bounds, bounds, color="0.8", linewidth=3.0)
@@ -70,7 +70,7 @@ def draw(
         axes[1].axhline(0.0, color="0.6", linewidth=0.8)
         axes[1].set_xlabel("number of\nthe exponent" if style.is_narrow() else "number of the exponent")
         axes[1].locator_params(axis="x", integer=True)
-        axes[1].set_ylabel(labels[0].mathtext)
+        style.label_axis(axes[1].yaxis, labels[0])
         style.letter(axes)
     style.head(figure, title)
     style.legend_below(figure, *axes[0].get_legend_handles_labels())

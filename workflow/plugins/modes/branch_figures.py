@@ -69,8 +69,8 @@ def frequency_figure(
             axis.axhline(edge, color="0.6", linewidth=0.8, label="edge of a band of small waves")
         axis.set_xscale("log")
         axis.set_title(branch.name)
-        axis.set_xlabel(labels[0].mathtext)
-        axis.set_ylabel(labels[1].mathtext)
+        style.label_axis(axis.xaxis, labels[0])
+        style.label_axis(axis.yaxis, labels[1])
     style.letter(axes)
     style.head(figure, title)
     _legend_of_all(figure, axes)
@@ -110,9 +110,9 @@ def response_figure(
         if len(points):
             face = "none" if marker in "^v" else "black"
             axis.plot(*points.T, marker, color="black", markerfacecolor=face, markersize=5, label=name)
-    axis.set_xlabel(labels[0].mathtext)
-    axis.set_ylabel(labels[1].mathtext)
     axis.set_ylim(bottom=0.0)
+    style.label_axis(axis.xaxis, labels[0])
+    style.label_axis(axis.yaxis, labels[1])
     style.head(figure, title)
     _legend_of_all(figure, [axis])
     return figure
@@ -183,7 +183,7 @@ def motion_figure(branches: Sequence[BranchCurve], labels: tuple[units.Label, un
     """
     columns = min(max(branch.chains for branch in branches), MOST_CHAINS)
     figure = style.new_figure(0.6 + 2.2 * len(branches), 2.2 + 2.4 * columns)
-    axes = figure.subplots(len(branches), columns, squeeze=False)
+    axes = figure.subplots(len(branches), columns, squeeze=False, sharey="row")
     for row, branch in zip(axes, branches, strict=True):
         largest = float(np.max(np.abs(branch.motion)))
         for chain, axis in enumerate(row):
@@ -201,8 +201,8 @@ def motion_figure(branches: Sequence[BranchCurve], labels: tuple[units.Label, un
             axis.set_title(branch.name + (f", chain {chain + 1}" if branch.chains > 1 else ""))
             axis.set_xlabel("bead")
             axis.locator_params(axis="x", integer=True)
-        row[0].set_ylabel(labels[1].mathtext)
-        figure.colorbar(image, ax=list(row), label=labels[0].mathtext)
+        style.label_axis(row[0].yaxis, labels[1])
+        style.label_axis(figure.colorbar(image, ax=list(row)).ax.yaxis, labels[0])
     style.letter(np.ravel(axes))
     style.head(figure, title)
     return figure
