@@ -5,7 +5,8 @@ and arrivals of the leading pulse. Uncertainties of a survey are those by the ti
 run is added to each. Both are bounds, so they add up.
 
 - A leading pulse has the errors that were measured for leading pulses, others that of all velocities: as a velocity,
-  and as the time in which the exact wave of their peak velocity v rises by it, over ``v**1.2``.
+  and as the time in which the exact wave of their peak velocity v rises by it, over ``v**1.2`` in spheres of equal
+  mass and contacts of strength 1 (`rises`).
 - A time step delays a pulse in proportion to the time t that it has run, by the error e of its arrival at most, and
   each passage by what the error a of its peak velocity v makes of it. The time d between two arrivals, on which speeds
   and lags depend, is then off by ``2 e d / t + 2 a / v**1.2``, and by 2 e at most. Measured, that of a passage and its
@@ -25,6 +26,7 @@ from dataclasses import replace
 import numpy as np
 
 from analysis.quantity import declare, result
+from analysis.shape.exact_wave import HERTZ
 from analysis.shape.waveforms import REACH, Shape
 from analysis.sharing.energies import EnergyShares, Flow
 from analysis.sharing.equipartition import Sharing
@@ -34,11 +36,8 @@ from analysis.sharing.verdict import fit_decay, verdict_on
 from analysis.tracking.leading_waves import Lags, Waves
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from lammps_inputs import Problem, System, laws, physics
 from lammps_inputs.limits import rates
-
-STEEPEST = 1.2
-"""Power of the peak velocity by which the largest slope of the exact wave's velocity over time grows."""
 
 
 @result
@@ -80,9 +79,9 @@ class MeasuredError:
         peaks, times = (total if math.isnan(value) else value for value in (peaks, times))
         return cls(total, peaks, times, measured=True)
 
-    def of_passages(self, peak_velocity: Floats) -> Floats:
+    def of_passages(self, peak_velocity: Floats, system: System) -> Floats:
         """Errors of the arrivals, [passage], of pulses that do not lead, of these peak velocities."""
-        return np.maximum(self.arrival, _rises(self.velocity, peak_velocity))
+        return np.maximum(self.arrival, rises(self.velocity, peak_velocity, system))
 
     def of_force(self, problem: Problem) -> float:
         """Error of any force of a contact, in units of m V / T."""
@@ -106,9 +105,16 @@ def _of_speed(speed: Floats, time: Floats, late: Floats, moved: Floats) -> Float
         return np.asarray(np.minimum(2.0 * late * speed / time + moved * speed**2, 2.0 * late * speed**2))
 
 
-def _rises(error: Floats | float, peak_velocity: Floats) -> Floats:
-    """Time, [passage] in T, in which the velocity of an exact wave of this peak velocity rises by an error."""
-    return np.asarray(error / np.maximum(peak_velocity, 1e-12) ** STEEPEST)
+def rises(error: Floats | float, peak_velocity: Floats, system: System) -> Floats:
+    """Time, [passage] in T, in which the velocity of an exact wave of this peak velocity rises by an error.
+
+    The largest slope is the largest force over the mass m: ``(A / m)**(1 / (n + 1)) v**(2 n / (n + 1))`` in contacts of
+    strength A and exponent n; of contacts and beads that differ, the least strength and the largest mass count.
+    """
+    exponent = physics.exponent(system) or HERTZ
+    weakest = float(np.min(laws.strength(system.along[0].law)) / np.max(system.mass))
+    slope = np.maximum(peak_velocity, 1e-12) ** (2.0 * exponent / (exponent + 1.0))
+    return np.asarray(error / (weakest ** (1.0 / (exponent + 1.0)) * slope))
 
 
 UNMEASURED = MeasuredError()
@@ -129,7 +135,9 @@ def with_run_error(of_frames: Survey, error: MeasuredError) -> Survey:
         lags=_of_lags(survey, error),
         shape=_of_shape(survey, waves, error),
         pulses=pulses,
-        characters=tuple(_of_character(*each, error) for each in zip(survey.characters, pulses, strict=True)),
+        characters=tuple(
+            _of_character(*each, error, survey.problem.system) for each in zip(survey.characters, pulses, strict=True)
+        ),
         shared=shared,
         energies=_of_energies(survey.energies, shared, error),
         decay=decay,
@@ -164,9 +172,9 @@ def _of_waves(survey: Survey, error: MeasuredError) -> Waves:
     """Leading waves; a maximum at the start is exact, and last beads, which fly off, have errors of other pulses."""
     waves = survey.waves
     exact, last = waves.peak_velocity_error == 0.0, waves.bead == (survey.problem.beads if survey.direction > 0 else 1)
-    arrival = np.where(last, error.of_passages(waves.peak_velocity), error.arrival)
+    arrival = np.where(last, error.of_passages(waves.peak_velocity, survey.problem.system), error.arrival)
     peak = np.where(last, error.velocity, error.amplitude)
-    speed = _of_speed(waves.speed, waves.time, arrival, _rises(peak, waves.peak_velocity))
+    speed = _of_speed(waves.speed, waves.time, arrival, rises(peak, waves.peak_velocity, survey.problem.system))
     return replace(
         waves,
         arrival_error=waves.arrival_error + np.where(exact, 0.0, arrival),
@@ -180,7 +188,9 @@ def _of_lags(survey: Survey, error: MeasuredError) -> Lags:
     waves, lags = survey.waves, survey.lags
     least = np.full(survey.problem.beads + 1, np.inf)
     np.minimum.at(least, waves.bead, waves.peak_velocity)
-    moved = _rises(error.velocity if survey.arrival == "impulse" else error.amplitude, least[waves.bead])
+    moved = rises(
+        error.velocity if survey.arrival == "impulse" else error.amplitude, least[waves.bead], survey.problem.system
+    )
     with np.errstate(divide="ignore", invalid="ignore"):
         late = np.minimum(2.0 * error.arrival * np.abs(lags.value) / waves.time + 2.0 * moved, 2.0 * error.arrival)
     return lags._replace(error=lags.error + np.where(waves.chain == survey.shared.kicked + 1, 0.0, late))
@@ -190,7 +200,7 @@ def _of_shape(survey: Survey, waves: Waves, error: MeasuredError) -> Shape:
     """Shapes of the leading waves, with the errors that their speeds have now."""
     shape, before = survey.shape, survey.waves
     of_speed = shape.width * (waves.speed_error - before.speed_error) / waves.speed
-    of_ends = 2.0 * waves.speed * _rises(error.amplitude, waves.peak_velocity)
+    of_ends = 2.0 * waves.speed * rises(error.amplitude, waves.peak_velocity, survey.problem.system)
     of_velocities = (error.amplitude + error.velocity) / waves.peak_velocity
     return replace(
         shape,
@@ -206,8 +216,8 @@ def _of_pulse(pulse: Pulse, survey: Survey, error: MeasuredError) -> Pulse:
     leads = np.isin(pulse.arrival, waves.time) & (pulse.direction == survey.direction)
     exact = pulse.peak_velocity_error == 0.0
     peak = np.where(leads, error.amplitude, error.velocity)
-    arrival = np.where(leads, error.arrival, error.of_passages(pulse.peak_velocity))
-    speed = _of_speed(pulse.speed, pulse.arrival, arrival, _rises(peak, pulse.peak_velocity))
+    arrival = np.where(leads, error.arrival, error.of_passages(pulse.peak_velocity, survey.problem.system))
+    speed = _of_speed(pulse.speed, pulse.arrival, arrival, rises(peak, pulse.peak_velocity, survey.problem.system))
     return replace(
         pulse,
         arrival_error=pulse.arrival_error + np.where(exact, 0.0, arrival),
@@ -216,7 +226,7 @@ def _of_pulse(pulse: Pulse, survey: Survey, error: MeasuredError) -> Pulse:
     )
 
 
-def _of_character(character: Character, pulse: Pulse, error: MeasuredError) -> Character:
+def _of_character(character: Character, pulse: Pulse, error: MeasuredError, system: System) -> Character:
     """A character with the errors of its pulse at its bead.
 
     A momentum is the velocity of a bead over the time of travel past `REACH` beads on either side, times the speed.
@@ -225,7 +235,8 @@ def _of_character(character: Character, pulse: Pulse, error: MeasuredError) -> C
     peak, arrival = float(pulse.peak_velocity_error[at]), float(pulse.arrival_error[at])
     speed = float(pulse.speed_error[at])
     added = (peak - character.peak_velocity_error) / character.peak_velocity
-    ends = 2.0 * character.speed * float(_rises(added * character.peak_velocity, np.array(character.peak_velocity)))
+    highest = np.array(character.peak_velocity)
+    ends = 2.0 * character.speed * float(rises(added * highest, highest, system))
     delayed = character.momentum * character.speed * (arrival - character.arrival_error)
     return replace(
         character,

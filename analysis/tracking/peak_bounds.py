@@ -36,8 +36,8 @@ scheme, those by velocities alone some ``1e-3 spacing**5``.
 """
 
 FARTHEST_APART = 0.5
-"""Time between frames, in units of T, from which on displacements are used at any time step: where that is so long that
-they harm, the error of the run is larger.
+"""Time between frames, in units of T or of the fastest motion's time scale if that is longer, from which on
+displacements are used at any time step: where that is so long that they harm, the error of the run is larger.
 """
 
 NEAR = 0.2
@@ -85,6 +85,8 @@ class Brackets(Columns):
     bead: Integers
     origin: Floats
     spacing: Floats
+    slowness: Floats
+    """See `slowness_of`."""
     places: Floats
     """Where the slope may fall to zero first, where that of the polynomial does, and where it has fallen for certain:
     lower and upper end of each, [place, end, maximum] in s = (time - origin) / spacing."""
@@ -122,7 +124,7 @@ def no_maxima(direction: int) -> Brackets:
     pairs, mask = np.zeros((2, 0)), np.zeros(0, dtype=bool)
     places = np.zeros((3, 2, 0))
     return Brackets(
-        integers, integers, values, values, places, mask, values, values, polynomial, pairs, mask, direction
+        integers, integers, values, values, values, places, mask, values, values, polynomial, pairs, mask, direction
     )
 
 
@@ -244,6 +246,7 @@ def _rows(block: Trajectory, fit: _Fit, entry: Integers, places: Floats, certain
         bead=block.beads[bead],
         origin=block.time[fit.start[entry]],
         spacing=np.full(len(entry), block.spacing),
+        slowness=np.full(len(entry), slowness_of(block.problem.system)),
         places=places,
         certain=certain,
         pressing=motion.pressing(block, frame[entry], chain, bead),
@@ -282,8 +285,13 @@ def _pushed(load: Load, times: Floats, fit: Callable[[Floats], Floats], low: Flo
 
 @physics.once
 def quickness_of(system: System) -> float:
-    """Rate of a system's fastest motion over that of a Hertz chain without load, at least 1."""
-    return max(1.0, max(rates.fastest(system), rates.drag(system), rates.bending(system)) / FREQUENCY)
+    """Rate of a system's fastest motion over that of a Hertz chain without load; 1 where nothing moves."""
+    return max(rates.fastest(system), rates.drag(system), rates.bending(system)) / FREQUENCY or 1.0
+
+
+def slowness_of(system: System) -> float:
+    """Rate of a system's fastest motion over that of a Hertz chain without load where it is slower, else 1."""
+    return min(1.0, quickness_of(system))
 
 
 @dataclass(frozen=True)
@@ -319,7 +327,7 @@ class _Timing:
             block.spacing,
             block.spacing * quickness,
             problem.timestep if problem.scheme == "verlet" else 0.0,
-            min(FARTHEST_APART, far_apart),
+            min(FARTHEST_APART / slowness_of(system), far_apart),
             by_equations,
             physics.contact_loss(system) is not None,
             (physics.exponent(system) or 1.5) > HARDENING,
@@ -346,7 +354,11 @@ class _Timing:
             return 3.0 if self.damped else 0.3
         if self.spacing >= self.far_apart:
             return (3.0 if self.damped else 1.0) * (0.25 if self.hard else 0.1) * max(1.0, self.quick**2)
-        near = 1.25 if self.quick >= QUICK else max(0.2 * self.spacing**2, (FREQUENCY * self.quick) ** 2 / 100.0)
+        near = (
+            1.25
+            if self.quick >= QUICK
+            else max(0.2 * min(self.spacing, self.quick) ** 2, (FREQUENCY * self.quick) ** 2 / 100.0)
+        )
         return (2.0 if self.damped else 1.0) * near
 
 

@@ -206,12 +206,13 @@ def _refined(brackets: Brackets) -> Peaks:
 
     velocity, time, centre = passage(at)
     velocity_before, _, centre_before = passage(early)
+    frames = spacing * brackets.slowness
     exact_time, exact_velocity = np.where(
-        brackets.forces_known, on_a_grid(spacing, velocity), on_a_grid(spacing, velocity, all_recorded=False)
+        brackets.forces_known, on_a_grid(frames, velocity), on_a_grid(frames, velocity, all_recorded=False)
     )
     doubt = off[0] + exact_velocity
     later = brackets.places[1, 0] < brackets.places[1, 1]  # else at the start, which is exact
-    time_error = later * (np.maximum(at - early, late - at) * spacing + exact_time)
+    time_error = later * (np.maximum(at - early, late - at) * spacing + exact_time / brackets.slowness)
     velocity_error = later * (doubt + np.abs(velocity - velocity_before))
     in_centre = (spacing + np.abs(time - centre)) * doubt / velocity
     centre_error = later * (in_centre + np.abs(centre - centre_before))
