@@ -97,7 +97,8 @@ An uncertainty is a sum of bounds:
 The error of the run, in units of m, V and T, with the error e of all velocities:
 
 - leading pulses: that of peak velocities, and of arrivals, of leading pulses;
-- other pulses and last beads: e in peak velocities v, and e / v^1.2 in arrivals;
+- other pulses and last beads: e in peak velocities v, and e / v^1.2 in arrivals; v^1.2 stands for the largest slope of
+  a pulse, (A / m)^(1 / (n + 1)) v^(2 n / (n + 1)) with the least strength A and the exponent n of contacts;
 - the time d between two arrivals at time t, on which speeds and lags depend: 2 d / t of that of arrivals and
   2 a / v^1.2, with the error a of peak velocities, but twice that of arrivals at most;
 - widths: relative to them as speeds, and a / v^1.2 of travel at either end; residuals: (a + e) / v;
