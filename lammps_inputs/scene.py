@@ -475,7 +475,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
         if not (physics.coupled(system) and physics.simply_coupled(system)):
             return ""
         kappa, scale = physics.kappa(system), self.scale
-        needed = EQUAL_BEADS / (kappa * max(1.0, physics.gap(system)) ** 2)
+        needed = EQUAL_BEADS / (physics.kappa_of_pulses(system) * max(1.0, physics.gap(system)) ** 2)
         passed = max(self.beads, 0.0 if self.duration is None else self.duration / scale.time)
         if passed > UNCOUPLED * needed:
             return ""

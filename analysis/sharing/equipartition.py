@@ -503,8 +503,8 @@ def resolved(shared: Sharing, system: System) -> bool:
     apart = int(np.diff(shared.bead).max(initial=1))
     if apart == 1 or not physics.coupled(system):
         return True
-    kappa = physics.kappa(system) if physics.open_row(system) else 0.5 * rates.modal_frequency(system) ** 2
-    return bool(apart <= RESOLVED / math.sqrt(kappa))
+    of_modes = 1.0 if physics.open_row(system) else 0.5 * rates.modal_frequency(system) ** 2 / physics.kappa(system)
+    return bool(apart <= RESOLVED / math.sqrt(of_modes * physics.kappa_of_pulses(system)))
 
 
 def dissipates(system: System) -> bool:

@@ -291,7 +291,7 @@ def _expected(shared: Sharing, problem: Problem) -> Estimate | None:
         and physics.alike(system)
         and system.holds(Fact.SONIC_VACUUM)
         and physics.gap(system) == 0.0
-        and physics.kappa(system) >= STRONG
+        and physics.kappa_of_pulses(system) >= STRONG
         and resolved(shared, system)
     )
     if problem.chains > 4:  # a kicked chain among many first shares with its neighbours, and only later with all
