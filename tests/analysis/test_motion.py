@@ -42,13 +42,6 @@ def test_acceleration_is_minus_the_slope_of_the_energy(chains, kappa, gap):
 
 
 @pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
-def test_forces_between_beads_cancel(chains, kappa, gap):
-    acceleration, rate = everywhere(random_state(problem(chains, kappa, gap)))
-    assert acceleration.sum() == pytest.approx(0.0, abs=1e-14)
-    assert rate.sum() == pytest.approx(0.0, abs=1e-14)
-
-
-@pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
 def test_acceleration_is_the_slope_of_recorded_velocities(chains, kappa, gap):
     h = 0.01
     found = run(problem(chains, kappa, gap, every=h), steps_per_frame=4)

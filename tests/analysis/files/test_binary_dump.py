@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from stock_lammps import lammps, scene
 from stock_lammps import run as run_lammps
+from stock_lammps import scene
 
 from analysis import trajectory
 from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
-from analysis.files.recording import Writer, atom_ids, blocks, rest_positions
-from lammps_inputs import InputError, Output, Problem, Scene, file_names, physics
+from analysis.files.recording import Writer, blocks
+from lammps_inputs import InputError, Problem, Scene, file_names, physics
 
 TWO = scene(chains=2, beads=12, kappa=0.1, every=0.1)
 TINY = scene(duration=0.3, every=0.1)
@@ -29,11 +29,6 @@ def dump_of(scene: Scene, directory: Path, ranks: int = 1) -> Path:
 @pytest.fixture(scope="module")
 def serial(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return dump_of(TWO, tmp_path_factory.getbasetemp() / "serial")
-
-
-@pytest.fixture(scope="module")
-def parallel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return dump_of(TWO, tmp_path_factory.getbasetemp() / "parallel", ranks=2)
 
 
 @pytest.fixture(scope="module")
@@ -91,29 +86,6 @@ def test_a_lammps_dump_has_the_frames_atoms_and_columns_of_the_deck_and_its_star
     np.testing.assert_array_equal(first.velocity[0], physics.initial_velocity(TWO.problem().system))
 
 
-@pytest.mark.slow
-def test_two_ranks_write_two_chunks_and_read_like_one(serial: Path, parallel: Path) -> None:
-    raw = parallel.read_bytes()
-    chunks = struct.unpack_from("<i", raw, raw.index(b"id x vx") + 7)
-    assert chunks == (2,)
-    np.testing.assert_array_equal(BinaryDump(parallel).read(), BinaryDump(serial).read())
-
-
-@pytest.mark.slow
-def test_time_units_and_the_box_of_lammps_are_read(tmp_path: Path) -> None:
-    (tmp_path / "in").write_text(
-        "region b block 0 8 0 5 0 6\ncreate_box 1 b\ncreate_atoms 1 single 1 1 1\ncreate_atoms 1 single 3 3 3\n"
-        "mass 1 1\npair_style zero 1.0\npair_coeff * *\nfix 1 all nve\nvelocity all set 1 0 0\ntimestep 0.25\n"
-        f"dump d all custom 2 {file_names.DUMP} id x vx\ndump_modify d time yes units yes\nrun 6\n"
-    )
-    lammps(tmp_path, "in")
-    dump = BinaryDump(tmp_path / file_names.DUMP)
-    assert dump.times is not None
-    assert dump.times.tolist() == [0.0, 0.5, 1.0, 1.5]
-    assert dump.box[0].tolist() == [[0.0, 8.0], [0.0, 5.0], [0.0, 6.0]]
-    assert dump.read(columns=("x",))[:, 0].tolist() == [[1.0, 3.0], [1.5, 3.5], [2.0, 4.0], [2.5, 4.5]]
-
-
 def test_the_writer_writes_what_lammps_writes_but_for_the_box(serial: Path, tmp_path: Path) -> None:
     run = whole(TWO.problem(), serial)
     with Writer(tmp_path / "ours.bin", TWO.problem()) as writer:
@@ -162,45 +134,7 @@ def test_any_order_of_ids_and_any_chunks_give_the_atoms_in_order(
     np.testing.assert_array_equal(dump.read(), file[2])
 
 
-@pytest.mark.slow
-@settings(max_examples=50, deadline=None)
-@given(
-    chains=st.integers(1, 3),
-    recorded=st.none() | st.sets(st.integers(1, 6), min_size=1),
-    frames=st.integers(1, 5),
-    seed=st.integers(0, 2**32),
-)
-def test_what_is_written_is_read_again(
-    tmp_path_factory: pytest.TempPathFactory, chains: int, recorded: set[int] | None, frames: int, seed: int
-) -> None:
-    beads: tuple[int, ...] | str = "all" if recorded is None else tuple(sorted(recorded))
-    problem = TWO.model_copy(update={"chains": chains, "beads": 6, "output": Output(every=0.1, beads=beads)}).problem()
-    rng = np.random.default_rng(seed)
-    displacement, velocity = rng.normal(size=(2, frames, *atom_ids(problem).shape))
-    path = tmp_path_factory.getbasetemp() / "written.bin"
-    with Writer(path, problem) as writer:
-        for number in range(frames):
-            writer.append(number * problem.steps_per_frame, displacement[number], velocity[number])
-    run = whole(problem, path)
-    rest = rest_positions(problem)
-    np.testing.assert_array_equal(run.velocity, velocity)
-    np.testing.assert_array_equal(run.displacement, (rest + displacement) - rest)
-    np.testing.assert_array_equal(run.time, np.arange(frames) * problem.every)
-
-
 # several files
-
-
-def test_a_continued_run_reads_like_one_without_frames_twice(serial: Path, tmp_path: Path) -> None:
-    raw = serial.read_bytes()
-    size = len(raw) // 41
-    first, second = tmp_path / "1.bin", tmp_path / "2.bin"
-    first.write_bytes(raw[: 25 * size + 100])
-    second.write_bytes(raw[20 * size :])
-    run = whole(TWO.problem(), first, second)  # without a warning: the second file has the frame that the first lacks
-    once = whole(TWO.problem(), serial)
-    for name in ("time", "displacement", "velocity"):
-        np.testing.assert_array_equal(getattr(run, name), getattr(once, name))
 
 
 def test_a_continuation_that_leaves_frames_out_is_refused(serial: Path, tmp_path: Path) -> None:

@@ -100,15 +100,6 @@ def test_both_engines_start_from_the_same_numbers_to_the_last_bit(tmp_path):
     assert done.displacement[0, 0, 30] * case.scale.length == pytest.approx(0.1234567890123, abs=1e-12)
 
 
-@pytest.mark.slow
-def test_the_energy_stored_at_the_start_is_energy_input_of_the_budget(tmp_path):
-    case = scene(PAIR, damping={"contact": 0.2, "law": "viscoelastic"})
-    budget = analyse(run(case, tmp_path / "run").directory, figures=False).conservation.budget
-    assert budget.energy_input == pytest.approx(0.5, rel=1e-12)
-    assert budget.contacts[0] == pytest.approx(0.5, rel=1e-12)
-    assert np.max(np.abs(budget.missing)) < 1e-3
-
-
 def test_a_table_of_a_file_may_leave_columns_and_cells_out_and_is_part_of_the_scene(tmp_path):
     (tmp_path / "start.csv").write_text("bead;displacement;velocity\n2;;0.5\n\n3;-0.25;\n")
     (tmp_path / "a.yaml").write_text("name: a\nbeads: 9\nduration: 5\ninitial: {table: start.csv}\n")
