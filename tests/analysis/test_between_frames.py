@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from errors_between_frames import thinned
 from synthetic_waves import of_keys, surveyed
 
 from analysis.between_frames import interpolated
@@ -56,30 +57,17 @@ def dense(name: str) -> Trajectory:
     return run[: (run.frames - 1) // 20 * 20 + 1]
 
 
-def thinned(run: Trajectory, stride: int) -> Trajectory:
-    """Every so many frames of a run."""
-    return replace(run[::stride], problem=run.problem.coarser(stride))
-
-
-FAST = ["coupled", "dimers", "column", "light beads under a large load"]
+CLOSER = ["coupled", "dimers", "column", "light beads under a large load"]
+"""Scenes that are also read in frames half as far apart as a usual run's."""
 
 LED = [name for name in SCENES if name not in ("light beads under a large load", "column", "between walls", "driven")]
 """Scenes in which a pulse leads and is followed."""
 
 
-def cases(names, strides):
-    """Every name with every stride; all but a few are slow."""
-    return [
-        pytest.param(name, stride, marks=() if name in FAST and stride == 10 else pytest.mark.slow)
-        for name in names
-        for stride in strides
-    ]
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "stride"), cases(LED, [10]))
-def test_energies_of_chains_waves_and_pulses_are_as_uncertain_as_stated(name, stride):
-    fine, coarse = surveyed(dense(name)), surveyed(thinned(dense(name), stride))
+@pytest.mark.parametrize("name", LED)
+def test_energies_of_chains_waves_and_pulses_are_as_uncertain_as_stated(name):
+    fine, coarse = surveyed(dense(name)), surveyed(thinned(dense(name), 10))
     beads = [found.shared.bead[found.energies.place] for found in (fine, coarse)]
     _, here, there = np.intersect1d(*beads, return_indices=True)
     stated = 0
@@ -148,7 +136,7 @@ def checked(fine: Readings, coarse: Readings) -> int:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "stride"), [*cases(SCENES, [10]), *cases(FAST, [2])])
+@pytest.mark.parametrize(("name", "stride"), [*((name, 10) for name in SCENES), *((name, 2) for name in CLOSER)])
 def test_forces_are_as_uncertain_as_stated(name, stride):
     coarse = read(thinned(dense(name), stride))
     assert checked(forces(name), coarse) > 0 or (name == "light beads under a large load" and stride > 4)
@@ -156,9 +144,9 @@ def test_forces_are_as_uncertain_as_stated(name, stride):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "stride"), cases([name for name in SCENES if name != "yielding"], [10]))
-def test_forces_between_few_recorded_beads_are_as_uncertain_as_stated(name, stride):
-    checked(forces(name), read(thinned(of_few_beads(dense(name)), stride)))
+@pytest.mark.parametrize("name", [name for name in SCENES if name != "yielding"])
+def test_forces_between_few_recorded_beads_are_as_uncertain_as_stated(name):
+    checked(forces(name), read(thinned(of_few_beads(dense(name)), 10)))
 
 
 @pytest.mark.slow

@@ -40,7 +40,7 @@ def test_a_pulse_on_a_static_load_has_no_difference_from_an_exact_wave():
     assert np.isnan([shape.residual, shape.residual_error]).all()
 
 
-@settings(max_examples=12)
+@settings(max_examples=6)
 @given(st.floats(0.05, 1.0), st.floats(0.01, 0.3), st.floats(6.0, 15.0), st.sampled_from([1, -1]))
 @pytest.mark.slow
 def test_an_exact_wave_has_the_momentum_energy_and_shape_of_the_exact_wave(peak, every, arrival, direction):
@@ -50,7 +50,7 @@ def test_an_exact_wave_has_the_momentum_energy_and_shape_of_the_exact_wave(peak,
     assert shape.residual[0] < 1e-9
 
 
-@settings(max_examples=25)
+@settings(max_examples=10)
 @given(st.floats(0.05, 1.0), st.floats(0.01, 1.0), st.floats(6.0, 15.0))
 @pytest.mark.slow
 def test_width_is_within_its_stated_error_on_any_grid(peak, every, arrival):
@@ -75,7 +75,7 @@ def test_maxima_in_reverse_order_or_at_one_time_have_no_width(speed):
 
 
 @pytest.mark.slow
-@settings(max_examples=20)
+@settings(max_examples=8)
 @given(st.floats(0.1, 1.0), st.floats(0.5, 2.0))
 def test_a_wave_that_is_too_wide_has_the_width_put_in_and_a_residual(peak, stretch):
     trajectory = exact_waves([(peak, 8.0)])
@@ -108,10 +108,8 @@ def test_the_momentum_of_what_has_not_come_to_rest_after_four_beads_is_undefined
 
 
 LOADED = [
-    ({"precompression": {"force": 0.05}}, True),
     ({"precompression": {"force": 0.15}}, True),
     ({"precompression": {"force": 0.3}}, False),  # velocities of 3% and 6% of the peak at either end
-    ({"precompression": {"force": 2.0}}, False),
     ({"precompression": {"force": 0.1}, "chains": 2, "coupling": {"stiffness": 0.02}}, True),
     ({"chains": 2, "coupling": {"stiffness": 0.1}}, True),
 ]
@@ -202,16 +200,8 @@ def test_the_pulse_of_contacts_of_strength_30_is_the_exact_wave_of_these(exponen
     assert character.speed == pytest.approx(expected, rel=1e-4)
 
 
-SHAPE = {
-    "width": 1.6,
-    "width_error": 0.0,
-    "momentum": 1.0,
-    "momentum_error": 0.0,
-    "energy": 1.0,
-    "energy_error": 0.0,
-    "residual": 0.005,
-    "residual_error": 0.0,
-}
+SHAPE = {"width": 1.6, "momentum": 1.0, "energy": 1.0, "residual": 0.005}
+SHAPE |= {f"{name}_error": 0.0 for name in SHAPE}
 
 
 @pytest.mark.parametrize(("count", "variation"), [(40, 0.1 / 0.55), (6, np.nan)], ids=["ten beads", "five beads"])
