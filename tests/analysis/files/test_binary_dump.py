@@ -21,9 +21,9 @@ TWO = scene(chains=2, beads=12, kappa=0.1, every=0.1)
 TINY = scene(duration=0.3, every=0.1)
 
 
-def dump_of(scene: Scene, directory: Path, ranks: int = 1) -> Path:
+def dump_of(scene: Scene, directory: Path) -> Path:
     """The dump of a scene that LAMMPS ran."""
-    return run_lammps(scene, directory, ranks=ranks).directory / file_names.DUMP
+    return run_lammps(scene, directory).directory / file_names.DUMP
 
 
 @pytest.fixture(scope="module")
@@ -37,20 +37,12 @@ def tiny(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def frame(
-    step: int,
-    chunks: list[np.ndarray],
-    *,
-    names: str = "id x vx",
-    time: float | None = None,
-    units: str = "",
-    sheared: bool = False,
+    step: int, chunks: list[np.ndarray], *, names: str = "id x vx", time: float | None = None, units: str = ""
 ) -> bytes:
     """A frame by the book, independent of the package; chunks are [atom, column]."""
     atoms = sum(len(chunk) for chunk in chunks)
-    out = struct.pack("<q", -10) + b"DUMPCUSTOM" + struct.pack("<iiqqi6i", 1, 2, step, atoms, sheared, *[1] * 6)
-    out += struct.pack(f"<{9 if sheared else 6}d", 0, 1, 0, 2, 0, 3, *[0] * (3 * sheared)) + struct.pack(
-        "<i", len(names.split())
-    )
+    out = struct.pack("<q", -10) + b"DUMPCUSTOM" + struct.pack("<iiqqi6i", 1, 2, step, atoms, 0, *[1] * 6)
+    out += struct.pack("<6d", 0, 1, 0, 2, 0, 3) + struct.pack("<i", len(names.split()))
     out += struct.pack("<i", len(units)) + units.encode()
     out += struct.pack("<b", time is not None) + (b"" if time is None else struct.pack("<d", time))
     out += struct.pack("<i", len(names)) + names.encode() + struct.pack("<i", len(chunks))
