@@ -1,4 +1,4 @@
-"""Text dumps: of an adopted deck with atoms in any order, along any axis, scaled, or beginning late; of a user's beads."""
+"""Text dumps: of an adopted deck with atoms in any order, along any axis, scaled, or beginning late; of own beads."""
 
 import gzip
 
