@@ -59,16 +59,6 @@ def deck_run(case, directory, executable=WHEEL):
     return BinaryDump(directory / file_names.DUMP).read()
 
 
-def test_suzuki_converges_faster_than_its_cost_grows():
-    errors = []
-    exact = engine.run(scene(chains=2, beads=30, kappa=0.1, duration=20.0, every=1.0).problem(), steps_per_frame=1000)
-    for cycles in (4, 8):
-        found = engine.run(exact.problem, scheme=SUZUKI4, steps_per_frame=cycles)
-        errors.append(np.max(np.abs(found.velocity - exact.velocity)))
-    # between 2.5, where contacts that open and close rule, and 4
-    assert 2.0 < np.log2(errors[0] / errors[1]) < 4.5
-
-
 def test_a_release_that_would_keep_the_old_step_is_refused(lmp_of, tmp_path):
     scene_files.write(scene(scheme="suzuki4", timestep=0.02, every=0.1), tmp_path)
     words = [lmp_of("2021"), "-in", file_names.DECK]
@@ -76,13 +66,3 @@ def test_a_release_that_would_keep_the_old_step_is_refused(lmp_of, tmp_path):
     assert done.returncode == 1
     assert scheme.TOO_OLD in done.stdout
     assert not (tmp_path / file_names.DUMP).exists()
-
-
-def test_a_step_that_does_not_fit_a_cycle_is_refused_with_one_that_does():
-    with pytest.raises(ValueError, match="does not divide") as refused:
-        scene(scheme="suzuki4", every=0.1, timestep=0.025)
-    suggested = float(str(refused.value).split("try ")[1].split()[0])
-    for timestep in (None, suggested):
-        problem = scene(scheme="suzuki4", every=0.1, timestep=timestep).problem()
-        assert problem.steps_per_frame % 5 == 0
-        assert problem.every == pytest.approx(0.1)

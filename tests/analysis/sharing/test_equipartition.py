@@ -88,11 +88,6 @@ def test_energies_of_the_chains_add_up_to_that_of_the_kick():
     assert np.allclose(np.sum(run(3, 0.1).energies.chain, axis=1), 1.0, rtol=0, atol=1e-5)
 
 
-def test_peaks_of_three_chains_at_bead_90_are_those_of_the_table():
-    shared = run(3, 0.1).shared
-    assert shared.amplitude[shared.bead == 90][0] == pytest.approx([0.25525, 0.25563, 0.25596], abs=5e-6)
-
-
 def by_hand(kicked: int = 0) -> Sharing:
     """Three chains at one bead: amplitudes 0.5, 0.25, 0.125, arriving at 10, 13, 9."""
     return Sharing(kicked, np.array([20]), np.array([[10.0, 13.0, 9.0]]), np.array([[0.5, 0.25, 0.125]]), 0.5)

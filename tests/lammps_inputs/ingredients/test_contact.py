@@ -70,12 +70,6 @@ def graded(strength, **changes):
     return scene(**{"contact": {"strength": strength}, "chains": 1, "coupling": None, **changes})
 
 
-def test_random_strengths_are_those_of_numpy_chain_after_chain():
-    law = graded({"spread": 0.3, "seed": 1}, chains=2).problem().system.along[0].law
-    one = np.random.default_rng(1).uniform(0.7, 1.3, (2, law.strength.shape[1]))
-    np.testing.assert_array_equal(law.strength, one)
-
-
 def test_random_exponents_are_factors_of_numpy_on_that_of_spheres_or_on_their_mean():
     factors = np.random.default_rng(3).uniform(0.9, 1.1, (2, 7))
     for keys, mean in (({}, 1.5), ({"mean": 2.0}, 2.0)):

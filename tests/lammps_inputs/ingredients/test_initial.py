@@ -76,30 +76,6 @@ def test_a_normal_mode_of_a_linear_chain_keeps_its_shape(tmp_path):
     assert error < 2e-5 * size  # of velocities 1e-6 V, where V = sqrt(k) times the largest overlap
 
 
-@pytest.mark.slow
-def test_a_bead_that_is_drawn_back_swings_on_its_foundation_as_a_cosine(tmp_path):
-    case = scene(
-        {"beads": 3, "gap": 1.0, "foundation": {"stiffness": 0.3}, "initial": {"bead": 1, "displacement": -0.5}}
-    )
-    done = run(case, tmp_path / "run")
-    time = done.trajectory.time * case.scale.time
-    found = done.trajectory.displacement[:, 0, 0] * case.scale.length
-    assert found == pytest.approx(-0.5 * np.cos(math.sqrt(0.3) * time), abs=2e-4)
-    assert not np.any(done.trajectory.displacement[:, 0, 1:])
-
-
-@pytest.mark.slow
-def test_both_engines_start_from_the_same_numbers_to_the_last_bit(tmp_path):
-    parts = {"beads": 40, "initial": [{"bead": 31, "displacement": 0.1234567890123}, {"bead": 7, "velocity": -0.3}]}
-    case = scene(
-        parts, precompression={"force": 0.037}, damping={"contact": 0.05}, timestep=0.01, output={"every": 0.1}
-    )
-    done, reference = run(case, tmp_path / "run", check=False).trajectory, engine.run(case.problem())
-    np.testing.assert_array_equal(done.displacement[0], reference.displacement[0])
-    np.testing.assert_array_equal(done.velocity[0], reference.velocity[0])
-    assert done.displacement[0, 0, 30] * case.scale.length == pytest.approx(0.1234567890123, abs=1e-12)
-
-
 def test_a_table_of_a_file_may_leave_columns_and_cells_out_and_is_part_of_the_scene(tmp_path):
     (tmp_path / "start.csv").write_text("bead;displacement;velocity\n2;;0.5\n\n3;-0.25;\n")
     (tmp_path / "a.yaml").write_text("name: a\nbeads: 9\nduration: 5\ninitial: {table: start.csv}\n")

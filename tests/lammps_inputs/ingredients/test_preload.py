@@ -1,11 +1,10 @@
 """Precompression and gravity: sound, readings, time steps; the motion is in `test_every_ingredient`."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from ingredient_scenes import COLUMN, HELD
+from ingredient_scenes import COLUMN
 from plain_scene import scene
 from wrong_runs import causes
 
@@ -16,7 +15,6 @@ from workflow.engines.reference import engine
 from workflow.measures.forces.force_meter import ForceMeter
 from workflow.prepare.settings import settle
 from workflow.runs.run import run
-from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -81,26 +79,6 @@ def test_the_cause_is_named_where_contacts_bear_another_load(right, wrong, said)
     one, other = (engine.run(loaded(**keys, output={"every": 0.1}).problem()) for keys in (right, wrong))
     found = causes(replace(other, problem=one.problem), one)
     assert found == [f"the static load of the contacts is {said} as strong as the scene says"]
-
-
-@pytest.mark.slow
-def test_forces_are_read_as_totals_and_above_rest(tmp_path):
-    case = loaded(**HELD, beads=30, output={"every": 0.1, "forces": {"wall": True, "contacts": [10], "sensors": [10]}})
-    directory = run(case, tmp_path / "run", check=False).directory
-    analyse(directory, figures=False)
-    contact = next(
-        entry
-        for entry in json.loads((directory.path / "analysis.json").read_text())["forces"]
-        if entry["kind"] == "contact"
-    )
-    assert contact["static"] == pytest.approx(0.3, rel=1e-9)
-    assert contact["largest"] == pytest.approx(contact["static"] + contact["dynamic"])
-    assert 0.2 < contact["dynamic"] < 1.0
-    table = np.genfromtxt(directory.path / "forces.csv", delimiter=",", names=True)
-    total, dynamic = table["contact_10_chain_1_total"], table["contact_10_chain_1_dynamic"]
-    np.testing.assert_allclose(total - dynamic, 0.3, rtol=1e-9)
-    assert total[0] == pytest.approx(0.3, rel=1e-12)
-    assert table["left_wall_chain_1_total"].min() == 0.0
 
 
 def test_the_impulse_of_a_gauge_is_that_above_rest():

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from analysis.conservation import ConservationMeter
 from analysis.files import recording
 from analysis.mda.universe import universe
 from analysis.shape.unit_cell import NoDispersionError, cell_of
@@ -100,12 +99,6 @@ def test_resonators_do_not_touch_where_the_contacts_are_a_formula_of_the_distanc
     # 0.3 V where they touch; of the step (omega dt)**2 / 24, omega = 5.7 / T, of each oscillation: 1.5e-5 V in three,
     # in which the resonators, of a tenth of the mass, oscillate with ten times the velocity of their beads
     assert run(case, tmp_path / "run").check.velocity < 1.5e-4
-
-
-def test_beads_alone_do_not_give_the_energy():
-    trajectory = engine.run(small(output={"every": 0.1, "beads": [2, 3]}).problem())
-    assert trajectory.further_lines is None
-    assert math.isnan(ConservationMeter(trajectory.problem).read([trajectory]).energy_drift)
 
 
 @pytest.mark.parametrize(("resonators", "leads"), [(LIGHT, True), (HEAVY, False), ({**HEAVY, "rows": [5, 6]}, True)])

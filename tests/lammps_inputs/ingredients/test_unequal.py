@@ -18,8 +18,6 @@ from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from lammps_inputs import find, library, physics
 from lammps_inputs.deck_lines import types_by_contact
-from lammps_inputs.decks import deck
-from lammps_inputs.limits.rates import stability_bound
 from workflow.engines.reference import engine
 from workflow.measures.cells import CellMeter, left
 from workflow.measures.forces.force_meter import ForceMeter
@@ -78,13 +76,6 @@ def test_beads_in_si_press_as_hard_as_their_own_contact_says(tmp_path):
     assert found.overlap == pytest.approx(overlap / (2.0 * radius), rel=1e-3)
 
 
-def test_densities_give_the_masses_within_rounding():
-    radius = 2.0
-    line = next(row for row in deck.render_data(scene(**DIMER).problem()).splitlines() if row.startswith("2 1 "))
-    density = float(line.split()[6])
-    assert 4.0 * np.pi / 3.0 * radius**3 * density == pytest.approx(0.3428, rel=4e-16)
-
-
 @pytest.mark.parametrize("number", [1, 19, 300])
 def test_few_types_tell_all_contacts_apart(number):
     strength = np.random.default_rng(1).random((1, number))
@@ -93,14 +84,6 @@ def test_few_types_tell_all_contacts_apart(number):
     pairs = [types.strength[min(a, b), max(a, b)] for a, b in itertools.pairwise(row)]
     assert pairs == strength[0].tolist()
     assert types.count <= np.sqrt(2.0 * number) + 2.0
-
-
-def test_light_beads_shorten_the_stable_step():
-    """The fastest motion of a dimer chain of stiffness k: 2 k (1 / M + 1 / m); the bound is no more than 2 over it."""
-    problem = scene(**DIMER).problem()
-    k = 1.5 * (2.5 * physics.energy(problem.system)) ** 0.2
-    exact = 2.0 / np.sqrt(2.0 * k * (1.0 + 1.0 / 0.3428) + 0.2 / 0.3428)
-    assert 0.7 * exact < stability_bound(problem.system) <= exact
 
 
 # --- published and computed numbers -----------------------------------------------------------------------------------

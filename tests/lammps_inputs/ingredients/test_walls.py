@@ -5,16 +5,12 @@ import math
 
 import numpy as np
 import pytest
-from ingredient_scenes import STEEL
 from plain_scene import scene
 
-from analysis.trajectory import joined
 from lammps_inputs import find, library
 from lammps_inputs.limits.rates import stability_bound
-from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -111,22 +107,6 @@ def test_harder_walls_feel_the_known_forces_through_lammps(tmp_path, kind, ratio
     wall, contact = readings.largest[0]
     # an error of the last bead's velocity, for the time in which it is stopped, over its way: as large a part of both
     assert wall / contact == pytest.approx(ratio, abs=4.0 * found.check.velocity + 2e-5)
-
-
-@pytest.mark.slow
-def test_forces_are_written_in_newtons(tmp_path, capsys):
-    output = {"every": 1e-6, "forces": {"wall": True, "contacts": [3]}}
-    case = walled({"right": "bead"}, material=STEEL, coupling=None, duration=3e-4, output=output)
-    run(case, tmp_path / "run", check=False)
-    assert main(["analyze", str(tmp_path / "run"), "--no-figures"]) == 0
-    header, *rows = (tmp_path / "run" / "forces.csv").read_text().splitlines()
-    assert header.split(",")[:3] == ["time (s)", "right wall chain 1 (N)", "right wall chain 2 (N)"]
-    wall = np.array([float(row.split(",")[1]) for row in rows])
-    bead = joined(RunDirectory(tmp_path / "run").blocks()).displacement[:, 0, -1]
-    constant = STEEL["youngs_modulus"] * math.sqrt(2.0 * STEEL["radius"]) / (3.0 * (1.0 - 0.3**2))
-    metres = np.maximum(bead, 0.0) * case.scale.length
-    np.testing.assert_allclose(wall, constant * metres**1.5, rtol=1e-12)
-    assert "forces.csv" in capsys.readouterr().out
 
 
 ABSORBING = {"matched": ("matched", 1.0), "soft": ({"damping": 0.5}, 0.25), "hard": ({"damping": 6.0}, 3.0)}
