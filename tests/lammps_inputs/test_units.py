@@ -67,7 +67,10 @@ def test_hertz_constant_is_that_of_johnson_for_equal_spheres():
     ("unit", "largest", "shown"),
     [
         ("Hz", 9.3e4, ("kHz", 1e-3)),
+        ("m/s", 3.0, ("m/s", 1.0)),
         ("m/s", 0.02, ("mm/s", 1e3)),
+        ("m/s", 5e-6, ("\N{MICRO SIGN}m/s", 1e6)),
+        ("m/s", 1e-30, ("pm/s", 1e12)),
         ("beads/s", 9e4, ("beads/s", 1.0)),
         ("reduced", 9e4, ("reduced", 1.0)),
         ("V", 1e-4, ("V", 1.0)),

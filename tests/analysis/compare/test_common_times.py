@@ -62,14 +62,6 @@ def test_a_polynomial_of_degree_seven_is_found_exactly():
 
 
 @pytest.mark.slow
-@given(st.floats(0.1, 5.0), st.floats(0.0, 6.3), st.floats(0.02, 0.5))
-def test_the_bound_holds_for_smooth_motion(frequency, phase, every):
-    (displacement, velocity), (x, v) = errors(oscillating(frequency, phase), every, between(every))
-    assert displacement <= x + ROUNDING / frequency
-    assert velocity <= v + STEEPER / frequency / every
-
-
-@pytest.mark.slow
 @settings(max_examples=200)
 @given(st.floats(0.1, 0.9), st.sampled_from([-1.0, 1.0]), st.floats(0.02, 0.5))
 def test_the_bound_holds_where_a_contact_opens_or_closes(share, way, every):

@@ -1,12 +1,8 @@
 """Precompression and gravity: sound, readings, time steps; the motion is in `test_every_ingredient`."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from ingredient_scenes import COLUMN
 from plain_scene import scene
-from wrong_runs import causes
 
 from analysis.gauges.gauge import gauges
 from analysis.sharing.impulses import measure
@@ -64,21 +60,6 @@ def test_a_load_of_nearly_nothing_changes_nearly_nothing():
     slight, none = (loaded(**keys, beads=20).problem() for keys in ({"precompression": {"force": 1e-9}}, {}))
     difference = engine.run(slight).velocity - engine.run(none).velocity
     assert 0.0 < np.abs(difference).max() < 1e-5
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("right", "wrong", "said"),
-    [
-        (FREE, {"precompression": {"force": 0.6}}, "2 times"),
-        (COLUMN, {**COLUMN, "gravity": 0.03}, "1.5 times"),
-    ],
-    ids=["force", "weights"],
-)
-def test_the_cause_is_named_where_contacts_bear_another_load(right, wrong, said):
-    one, other = (engine.run(loaded(**keys, output={"every": 0.1}).problem()) for keys in (right, wrong))
-    found = causes(replace(other, problem=one.problem), one)
-    assert found == [f"the static load of the contacts is {said} as strong as the scene says"]
 
 
 def test_the_impulse_of_a_gauge_is_that_above_rest():
