@@ -63,20 +63,11 @@ def test_beads_by_mass_and_constant_have_the_dimensionless_problem_of_beads_of_m
         kinds={"light": {"mass": 0.5 * mass}, "plain": {}},
         pattern=["plain", "2*light"],
         kick={"velocity": velocity},
-        foundation={"stiffness": 0.1 * force / length},
-        precompression={"force": 0.2 * force},
         duration=20.0 * time,
-        timestep=0.05 * time,
         output={"every": 0.5 * time},
     )
-    reduced = scene(
-        contact={"exponent": exponent},
-        kinds={"light": {"mass": 0.5}, "plain": {}},
-        pattern=["plain", "2*light"],
-        foundation={"stiffness": 0.1},
-        precompression={"force": 0.2},
-        timestep=0.05,
-    )
+    kinds = {"light": {"mass": 0.5}, "plain": {}}
+    reduced = scene(contact={"exponent": exponent}, kinds=kinds, pattern=["plain", "2*light"])
     assert si.scale.si
     assert (si.scale.mass, si.scale.velocity) == (mass, velocity)
     assert (si.scale.time, si.scale.force) == pytest.approx((time, force), rel=1e-12)

@@ -17,7 +17,6 @@ from analysis.shape.long_waves import sound_speed
 from analysis.shape.waveforms import REACH, Passages, WaveformMeter
 from analysis.sharing.is_solitary import Tolerances, characterise
 from analysis.sharing.survey import survey
-from analysis.tracking.peaks import find_peaks
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, library
@@ -304,21 +303,6 @@ def test_any_run_however_short_is_surveyed_without_a_word(kick):
     run = reference(2, 0.1, 10, 4.0, kicks=[kick])
     for frames in (1, 2, 3, 40):
         surveyed(run[:frames])
-
-
-@pytest.mark.parametrize("recorded", ["all", [2, 6, 11, 15]])
-@pytest.mark.parametrize("every", [0.25, 0.5])
-def test_a_pulse_differs_from_one_of_closer_frames_by_no_more_than_it_states(recorded, every):
-    plain = {"beads": 20, "kick": {"velocity": 1.0}, "duration": 30.0, "timestep": 0.01}
-    fine, coarse = (
-        engine.run(of_keys(**{**plain, "output": output}))
-        for output in ({"every": 0.02}, {"every": every, "beads": recorded})
-    )
-    found = surveyed(coarse).characters[0]
-    true = find_peaks(fine.blocks())
-    (k,) = np.flatnonzero((true.bead == found.bead) & (np.abs(true.time - found.arrival) < 0.5))
-    assert abs(found.arrival - true.time[k]) <= found.arrival_error < 0.5
-    assert abs(found.peak_velocity - true.velocity[k]) <= found.peak_velocity_error < 0.01
 
 
 def test_with_kicks_from_both_ends_the_leading_wave_is_a_pulse_and_not_what_the_other_left_behind():

@@ -1,7 +1,6 @@
 """Maxima between frames: whatever blocks they are read in, whichever way the pulse runs, and how sure they are."""
 
 import itertools
-import random
 from dataclasses import fields, replace
 from typing import Any
 
@@ -11,7 +10,7 @@ from scipy.interpolate import BPoly
 from synthetic_waves import of_keys, problem, reference, surveyed
 
 from analysis.tracking.kinks import DOUBT, MARGIN, unfollowed
-from analysis.tracking.leading_waves import leading_waves, with_speeds
+from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import PeakMeter, Peaks, find_peaks, sharp
 from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, Problem
@@ -317,73 +316,13 @@ def test_a_force_that_begins_between_two_frames_begins_after_the_first_however_f
     assert np.all(near > 0.0)
 
 
-@pytest.mark.parametrize("direction", [1, -1])
-def test_no_speed_is_given_between_beads_that_different_pulses_lead_at(direction):
-    bead, one = np.arange(1, 21), np.ones(20, dtype=int)
-    ahead, behind = np.full(20, 0.05), np.full(20, 0.2)
-    leads = bead <= 12  # the pulse ahead, which is no maximum beyond
-    order = slice(None, None, direction)
-    arrival = np.where(leads, 1.5 * bead, 1.2 * bead + 8.0)[order]
-    peak, pulse = np.where(leads, ahead, behind)[order], np.where(leads, 1, 2)[order]
-    speed = with_speeds(one, bead, arrival, peak, pulse, direction=direction).speed[order]
-    np.testing.assert_allclose(speed, np.select([bead < 12, bead > 13], [1.0 / 1.5, 1.0 / 1.2], np.nan))
-
-
-def passages_of_each_pulse(results):
-    """(chain, bead, time) of every passage of a pulse that runs with the leading waves -> number of the pulse."""
-    return {
-        (pulse.chain, bead, time): number
-        for number, pulse in enumerate(results.pulses)
-        if pulse.direction == results.direction
-        for bead, time in zip(pulse.bead.tolist(), pulse.arrival.tolist(), strict=True)
-    }
-
-
-def speeds_across_pulses(results):
-    """Beads with a speed that is not positive, or from passages out of order or of different pulses."""
-    numbers, wrong = passages_of_each_pulse(results), []
-    for chain in np.unique(results.waves.chain).tolist():
-        waves = results.waves.of_chain(chain)
-        keys = list(zip(waves.chain.tolist(), waves.bead.tolist(), waves.time.tolist(), strict=True))
-        for k in np.flatnonzero(np.isfinite(waves.speed)).tolist():
-            near = slice(max(k - 1, 0), k + 2)
-            order = results.direction * np.diff(waves.arrival[near])
-            pulses = {numbers[key] for key in keys[near] if key in numbers}
-            if not waves.speed[k] > 0.0 or np.any(order <= 0.0) or len(pulses) > 1 or np.ptp(waves.pulse[near]):
-                wrong.append((chain, int(waves.bead[k])))
-    return wrong
-
-
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_second_kick_ahead_begins_another_pulse_and_no_speed_leads_across(sign):
     bead = 10 if sign > 0 else 11
     kicks = [{"bead": 1 if sign > 0 else 20, "velocity": sign}, {"bead": bead, "velocity": 0.9 * sign}]
     results = surveyed(engine.run(of_keys(chains=1, beads=20, kick=kicks, duration=16.0)))
     waves = results.waves
-    assert speeds_across_pulses(results) == []
     behind = sign * waves.bead < sign * bead
     np.testing.assert_array_equal(waves.pulse, np.where(behind, 1, 2))
     undefined = waves.bead[np.isnan(waves.speed) & (np.abs(waves.bead - 10.5) < 8.0)].tolist()  # clear of the ends
     assert undefined == sorted([bead, bead - sign])
-
-
-@pytest.mark.slow
-def test_no_speed_is_negative_or_between_pulses_in_scenes_of_several_kicks_walls_and_resonators():
-    chance, speeds = random.Random(7), 0
-    for number in range(12):
-        chains, beads = chance.choice([1, 2]), chance.randint(6, 14)
-        keys = {"chains": chains, "beads": beads, "duration": chance.uniform(10.0, 30.0)}
-        if chains > 1:
-            keys["coupling"] = {"stiffness": chance.choice([0.01, 0.1, 0.5])}
-        if number % 3:
-            keys["walls"] = {"left": "bead", "right": "bead"}
-        if number % 2:
-            keys["resonators"] = {"mass": 0.3, "stiffness": chance.choice([0.1, 3.0])}
-        places = {(chance.randint(1, chains), chance.randint(1, beads)) for _ in range(4)}
-        keys["kick"] = [
-            {"chain": chain, "bead": bead, "velocity": chance.choice([1.0, 0.3, -0.5])} for chain, bead in places
-        ]
-        results = surveyed(engine.run(of_keys(**keys)))
-        assert speeds_across_pulses(results) == [], keys
-        speeds += int(np.count_nonzero(np.isfinite(results.waves.speed)))
-    assert speeds > 50

@@ -56,26 +56,6 @@ def test_velocities_alone_are_kicks_which_add_to_those_of_the_same_bead():
     assert state.system.holds(Fact.PULSE)
 
 
-@pytest.mark.slow
-def test_a_normal_mode_of_a_linear_chain_keeps_its_shape(tmp_path):
-    """Contacts of exponent 1 that stay closed are springs: ``x_i = a sin(q i) cos(omega t)`` between walls."""
-    beads, size, q = 8, 1e-3, 3.0 * math.pi / 9.0
-    omega = 2.0 * math.sin(0.5 * q)
-    rows = [[1, i, size * math.sin(q * i), 0.0] for i in range(1, beads + 1)]
-    case = scene(
-        {"beads": beads, "contact": {"exponent": 1.0}, "walls": {"left": "bead", "right": "bead"}},
-        precompression={"force": 0.1},
-        initial={"table": rows},
-        duration=4.0 * math.pi / omega,
-        accuracy=1e-6,
-    )
-    done = run(case, tmp_path / "run")
-    time = done.trajectory.time * case.scale.time
-    exact = np.cos(omega * time)[:, np.newaxis] * [row[2] for row in rows]
-    error = np.max(np.abs(done.trajectory.displacement[:, 0] * case.scale.length - exact))
-    assert error < 2e-5 * size  # of velocities 1e-6 V, where V = sqrt(k) times the largest overlap
-
-
 def test_a_table_of_a_file_may_leave_columns_and_cells_out_and_is_part_of_the_scene(tmp_path):
     (tmp_path / "start.csv").write_text("bead;displacement;velocity\n2;;0.5\n\n3;-0.25;\n")
     (tmp_path / "a.yaml").write_text("name: a\nbeads: 9\nduration: 5\ninitial: {table: start.csv}\n")

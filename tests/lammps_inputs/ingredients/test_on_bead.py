@@ -13,7 +13,6 @@ from wrong_runs import causes
 
 from analysis.conservation import ConservationMeter
 from lammps_inputs import file_names, library, physics
-from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.on_bead import MOST_POINTS
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.engines.reference import engine
@@ -104,17 +103,6 @@ def test_a_phase_is_in_degrees_and_motion_begins_at_the_beads_place(phase):
     found = motion.displacement(1.0 / moved.scale.time) * moved.scale.length
     assert found == pytest.approx(0.5 * (math.sin(angle) - start))
     assert load.force(1.0 / pushed.scale.time) * pushed.scale.force == pytest.approx(0.5 * math.sin(angle))
-
-
-@pytest.mark.slow
-def test_a_bead_that_is_moved_is_where_it_should_be_to_rounding_and_the_verdict_does_not_apply(tmp_path):
-    found = run(driven(timestep=0.0125), tmp_path / "run", check=False)
-    trajectory = found.trajectory
-    (motion,) = trajectory.problem.system.motions
-    assert trajectory.displacement[:, 0, 0] == pytest.approx(motion.displacement(trajectory.time), abs=1e-12)
-    assert trajectory.velocity[:, 0, 0] == pytest.approx(motion.velocity(trajectory.time), abs=1e-12)
-    assert "equipartition does not apply" in analyse(found.directory, figures=False).survey.verdict.sentence
-    assert not trajectory.problem.system.holds(Fact.PULSE)
 
 
 @pytest.mark.slow

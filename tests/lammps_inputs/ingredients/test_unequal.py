@@ -2,15 +2,11 @@
 
 import itertools
 import json
-from dataclasses import replace
 
-import ingredient_scenes
 import numpy as np
 import plain_scene
 import pytest
 
-from analysis import motion
-from analysis.gauges.gauge import gauges
 from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.long_waves import period_of
 from analysis.sharing.survey import survey
@@ -20,7 +16,6 @@ from lammps_inputs import find, library, physics
 from lammps_inputs.deck_lines import types_by_contact
 from workflow.engines.reference import engine
 from workflow.measures.cells import CellMeter, left
-from workflow.measures.forces.force_meter import ForceMeter
 from workflow.runs.contacts import measure
 from workflow.runs.run import run
 from workflow.verdicts.analysis_files import analyse
@@ -43,19 +38,6 @@ def test_walls_are_as_hard_as_the_beads_before_them_make_them():
     np.testing.assert_allclose(right[:, -1], [2.0**0.5, 1.4 * 2.0**0.5], rtol=1e-15)
     (outright,) = scene(**beads, walls={"right": {"stiffness": 3.0}}).system.walls
     assert outright.law.strength == 3.0
-
-
-@pytest.mark.slow
-def test_momentum_is_what_the_push_gave_and_the_walls_took():
-    case = scene(**ingredient_scenes.CASES["pushed before unlike walls"])
-    problem = replace(case.problem(), steps_per_frame=1, frames=3000, timestep=0.005)
-    found = engine.run(problem, steps_per_frame=2)
-    meter = ForceMeter(problem, gauges(problem.system, wall=True))
-    readings = meter.read([found])
-    left, right = (readings.impulse[:, side].sum() for side in (0, 1))
-    momentum = motion.momentum(problem.system, found.velocity)[-1]
-    assert min(left, right) > 0.1
-    assert momentum == pytest.approx(problem.system.loads[0].law.total + left - right, abs=1e-10)
 
 
 def test_beads_in_si_press_as_hard_as_their_own_contact_says(tmp_path):

@@ -4,8 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from stock_lammps import scene
 
 from lammps_inputs import Kick, Material, System, physics
@@ -60,14 +58,6 @@ def test_the_largest_overlap_lies_between_the_bounds(case):
     problem = scene(**{"duration": 8.0, "every": 0.02, **case}).problem()
     low, high = bounds(problem)
     assert low * (1.0 - SHORT) <= largest(problem) <= high * (1.0 + 1e-6)  # the reference keeps energy to 1e-6
-
-
-@pytest.mark.slow
-@given(st.integers(1, 4), st.floats(0.0, 3.0), st.floats(0.0, 0.5), st.lists(st.floats(-1.0, 1.0), min_size=3))
-def test_the_lower_bound_is_never_above_the_upper(chains, kappa, gap, velocities):
-    kicks = [(1 + k % chains, 1 + k // chains, velocity) for k, velocity in enumerate(velocities)]
-    low, high = bounds_of(chains, len(velocities) + 1, kappa, gap, kicks)
-    assert 0.0 <= low <= high
 
 
 def test_bounds_are_those_of_relative_motion_and_the_lower_is_0_where_beads_need_not_meet():
