@@ -117,22 +117,6 @@ moves = st.lists(st.tuples(st.integers(1, 199), st.integers(1, 36)), max_size=4)
 @pytest.mark.slow
 @settings(max_examples=8, deadline=None)
 @given(moves)
-def test_maxima_in_a_window_are_those_of_all_beads_where_it_holds_their_neighbours(complete, moves):
-    run, first = complete[0], first_beads(complete[0], moves)
-    for direction in (1, -1):
-        expected, seen = find_peaks([run], direction=direction), find_peaks(in_window(run, first), direction=direction)
-        of_all, held = ([*zip(of.chain, of.bead, of.time, of.velocity, strict=True)] for of in (expected, seen))
-        after = np.minimum(np.floor(expected.time / run.spacing).astype(int) + 1, run.frames - 1)
-        inside = expected.bead >= np.where(first[after] > 1, first[after] + 4, 1)
-        assert set(itertools.compress(of_all, inside)) <= set(held)
-        at = np.floor(seen.time / run.spacing).astype(int)
-        inside = seen.bead >= np.where(first[at] > 1, first[at] + 4, 1)
-        assert set(itertools.compress(held, inside)) <= set(of_all)
-
-
-@pytest.mark.slow
-@settings(max_examples=8, deadline=None)
-@given(moves)
 def test_energies_of_waves_in_a_window_are_those_of_all_beads_or_undefined_where_it_has_left_one(complete, moves):
     run, meters, whole = complete
     first = first_beads(run, moves)
