@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from plain_scene import scene
+from plain_scene import one_chain
 
 from lammps_inputs import library
 from workflow.engines.reference import engine
@@ -13,7 +13,7 @@ from workflow.sweep import fields
 
 
 def gapped(gap, **changes):
-    return scene(**{"chains": 1, "beads": 6, "coupling": None, "gap": gap, "duration": 8.0, **changes})
+    return one_chain(**{"beads": 6, "gap": gap, "duration": 8.0, **changes})
 
 
 @pytest.mark.parametrize(

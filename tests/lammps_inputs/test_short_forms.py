@@ -1,10 +1,10 @@
 """Short forms of a scene: counts in patterns, overlap in place of a load, mass and constant in place of a material."""
 
 import numpy as np
-import plain_scene
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from plain_scene import one_chain as scene
 
 from analysis import motion
 from lammps_inputs import library, strict_yaml
@@ -12,10 +12,6 @@ from workflow.engines.reference import engine
 
 COUNTS = st.lists(st.tuples(st.sampled_from("ab"), st.integers(1, 30), st.booleans()), min_size=1, max_size=6)
 SIZES = st.floats(1e-6, 1e6)
-
-
-def scene(**changes):
-    return plain_scene.scene(**{"chains": 1, "coupling": None, **changes})
 
 
 @pytest.mark.slow

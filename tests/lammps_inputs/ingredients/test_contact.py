@@ -4,7 +4,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from plain_scene import scene
+from plain_scene import one_chain, scene
 from processes import HANGS
 from truth import Truth
 
@@ -66,10 +66,6 @@ def test_the_2021_release_says_in_one_line_what_it_cannot_do_and_does_linear_con
     assert "Total wall time" in said[1.0]
 
 
-def graded(strength, **changes):
-    return scene(**{"contact": {"strength": strength}, "chains": 1, "coupling": None, **changes})
-
-
 def test_random_exponents_are_factors_of_numpy_on_that_of_spheres_or_on_their_mean():
     factors = np.random.default_rng(3).uniform(0.9, 1.1, (2, 7))
     for keys, mean in (({}, 1.5), ({"mean": 2.0}, 2.0)):
@@ -89,7 +85,8 @@ def test_contacts_of_unlike_exponents_move_as_an_independent_integration():
 
 
 def test_contacts_that_alternate_under_load_have_the_bands_of_a_chain_of_two_springs():
-    case = graded({"amplitude": 0.5, "wavenumber": 0.5}, beads=40, precompression={"force": 1})
+    alternating = {"strength": {"amplitude": 0.5, "wavenumber": 0.5}}
+    case = one_chain(contact=alternating, beads=40, precompression={"force": 1})
     soft, hard = (1.5 * strength ** (2.0 / 3.0) for strength in (0.5, 1.5))
     bands = cell_of(case.problem().system).bands()
     np.testing.assert_allclose(bands**2, [[0.0, 2.0 * soft], [2.0 * hard, 2.0 * (soft + hard)]], rtol=1e-9, atol=1e-9)

@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from plain_scene import scene
+from plain_scene import one_chain, scene
 from stock_lammps import run
 
 from lammps_inputs import laws, physics
@@ -19,7 +19,7 @@ from workflow.engines.reference import engine
 def losing(share, **keys):
     """Two beads of a chain whose contacts have a restitution."""
     damping = {"contact": share, "law": "restitution"}
-    return scene(**{"chains": 1, "coupling": None, "beads": 2, "output": None, "damping": damping, **keys})
+    return one_chain(**{"beads": 2, "output": None, "damping": damping, **keys})
 
 
 @pytest.mark.parametrize("load", [None, 4.94])
@@ -123,8 +123,7 @@ def test_a_restitution_is_that_of_the_reduced_mass_and_the_strength_of_each_cont
 
 def test_strong_dashpots_shorten_the_stable_step():
     free, stuck, dragged = (
-        scene(chains=1, coupling=None, beads=4, damping=damping).system
-        for damping in (None, {"contact": 100.0}, {"beads": 100.0})
+        one_chain(beads=4, damping=damping).system for damping in (None, {"contact": 100.0}, {"beads": 100.0})
     )
     assert stability_bound(stuck) == pytest.approx(2.0 / rates.drag(stuck), rel=0.01)
     assert stability_bound(dragged) == stability_bound(free)

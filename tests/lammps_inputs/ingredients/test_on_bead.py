@@ -8,7 +8,7 @@ import pytest
 import yaml
 from ingredient_scenes import FORCED as PUSHED
 from ingredient_scenes import MOVED, STEEL
-from plain_scene import scene
+from plain_scene import one_chain, scene
 from wrong_runs import causes
 
 from analysis.conservation import ConservationMeter
@@ -24,7 +24,7 @@ pytestmark = pytest.mark.usefixtures("lammps_here")
 
 def forced(**keys):
     """A chain whose bead 1 is not kicked."""
-    return scene(**{"chains": 1, "coupling": None, "kick": None, "output": None, "duration": 10.0, **keys})
+    return one_chain(**{"kick": None, "output": None, "duration": 10.0, **keys})
 
 
 def pushed(peak=1.0, duration=2.0, **keys):

@@ -8,9 +8,8 @@ from functools import partial
 import numpy as np
 import pytest
 from executables import RELEASES
-from plain_scene import goes_on_bit_for_bit
+from plain_scene import goes_on_bit_for_bit, one_chain
 from stock_lammps import run as run_deck
-from stock_lammps import scene
 
 from analysis import motion
 from analysis.conservation import ConservationMeter
@@ -36,8 +35,8 @@ STEEL = {"name": "steel", "radius": 4.76e-3, "yield_strength": 0.25e9}
 
 
 def plastic(contact=YIELD, **keys):
-    one = {"chains": 1, "coupling": None, "beads": 2, "duration": 20.0, "timestep": 0.01, "output": {"every": 0.1}}
-    return scene(**{**one, "contact": contact, **keys})
+    one = {"beads": 2, "duration": 20.0, "timestep": 0.01, "output": {"every": 0.1}}
+    return one_chain(**{**one, "contact": contact, **keys})
 
 
 def separation(case, steps=8):

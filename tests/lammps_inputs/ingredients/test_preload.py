@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from plain_scene import scene
+from plain_scene import one_chain
 
 from analysis.gauges.gauge import gauges
 from analysis.sharing.impulses import measure
@@ -16,7 +16,7 @@ pytestmark = pytest.mark.usefixtures("lammps_here")
 
 
 def loaded(**changes):
-    return scene(**{"chains": 1, "coupling": None, "output": {"every": 0.25}, **changes})
+    return one_chain(**{"output": {"every": 0.25}, **changes})
 
 
 FREE = {"precompression": {"force": 0.3}}
@@ -25,16 +25,9 @@ FREE = {"precompression": {"force": 0.3}}
 @pytest.mark.slow
 def test_a_pressed_chain_of_linear_contacts_swings_by_its_modes(tmp_path):
     """No contact opens, so that all is linear: modes 2 sin(q / 2) of a free chain, up to the cut-off 2 sqrt(k / m)."""
-    beads = 40
-    case = loaded(
-        beads=beads,
-        contact={"exponent": 1.0},
-        precompression={"force": 3.0},
-        kick={"bead": 10, "velocity": 1.0},
-        duration=60.0,
-        timestep=0.005,
-        output={"every": 0.25},
-    )
+    beads, kick = 40, {"bead": 10, "velocity": 1.0}
+    keys = {"contact": {"exponent": 1.0}, "precompression": {"force": 3.0}, "duration": 60.0, "timestep": 0.005}
+    case = loaded(beads=beads, kick=kick, **keys)
     found = run(case, tmp_path / "run")
     q = np.pi * np.arange(beads) / beads
     shape = np.cos(np.outer(np.arange(beads) + 0.5, q)) * np.where(q > 0.0, np.sqrt(2.0), 1.0) / np.sqrt(beads)
