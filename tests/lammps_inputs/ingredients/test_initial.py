@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from plain_scene import one_chain
 
 from lammps_inputs import InputError, library, physics
 from lammps_inputs.facts import Fact
@@ -17,7 +18,7 @@ PAIR = {"beads": 2, "initial": {"bead": 1, "displacement": 0.6}}
 
 
 def scene(keys, **more):
-    return library.from_plain({"name": "start", "beads": 2, "duration": 10.0, **keys, **more}, "x")
+    return one_chain(**{"beads": 2, "kick": None, "duration": 10.0, "output": None, **keys, **more})
 
 
 def test_two_beads_released_from_an_overlap_share_its_energy_exactly(tmp_path):

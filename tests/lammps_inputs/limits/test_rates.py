@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from plain_scene import one_chain
 from small_problems import system as pair
 
-from lammps_inputs import Scene, System, laws, library
+from lammps_inputs import Scene, System, laws
 from lammps_inputs.laws.contact import Hertz
 from lammps_inputs.limits import rates
 from lammps_inputs.scene import DEFAULT_ACCURACY
@@ -23,8 +24,7 @@ LIGHT = {"kinds": {"light": {"mass": 0.25}}, "replace": {"bead": 3, "kind": "lig
 
 
 def scene(**keys: Any) -> Scene:
-    plain = {"name": "test", "beads": 6, "kick": {"velocity": 1.0}, "duration": 10.0}
-    return library.from_plain({**plain, **keys}, "test")
+    return one_chain(**{"beads": 6, "duration": 10.0, "output": None, **keys})
 
 
 def system(**keys: Any) -> System:
