@@ -51,11 +51,6 @@ def test_in_its_own_units_every_chain_has_the_equation_of_motion_of_v_equal_1(ma
     assert scale.force * scale.time == pytest.approx(scale.momentum, rel=1e-13)
 
 
-@pytest.mark.parametrize("diameter", [4.0, 8.0, 1024.0])
-def test_the_density_of_lammps_beads_gives_mass_1_to_rounding(diameter):
-    assert units.sphere_mass(diameter / 2, units.sphere_density(diameter)) == pytest.approx(1.0, rel=4e-16)
-
-
 def test_hertz_constant_is_that_of_johnson_for_equal_spheres():
     """F = 4/3 E* sqrt(R*) overlap^1.5, with R* = R/2 and 1/E* = 2 (1 - nu^2)/E (Johnson 1985, eq. 4.22)."""
     radius, modulus, ratio = 0.01, 2e11, 0.25

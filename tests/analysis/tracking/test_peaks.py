@@ -13,7 +13,7 @@ from analysis.tracking.kinks import DOUBT, MARGIN, unfollowed
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import PeakMeter, Peaks, find_peaks, sharp
 from analysis.trajectory import Trajectory
-from lammps_inputs import Kick, Problem
+from lammps_inputs import Problem
 from lammps_inputs.laws.in_time import half_sine, rectangular
 from lammps_inputs.loads import Load
 from workflow.engines.reference import engine
@@ -196,6 +196,12 @@ BETWEEN = {
     "dashpots let go": (hit(3, damping={"contact": 0.3, "tension": "cut"}, duration=12.0), [10], 10),
     "a foundation stiffens at once": (stiffening(0.001), [10], 1),
     "a foundation stiffens": (stiffening(0.3), [10], 1),
+    "a kicked bead is pushed": (
+        {"beads": 4, "kick": {"bead": 2, "velocity": 1.0}, "duration": 5.0}
+        | {"push": {"bead": 2, "peak": 0.3, "duration": 4.0, "shape": "half-sine"}},
+        [50],
+        50,
+    ),
     # a contact that closes or opens changes the slope of the force of the dashpot beside it
     "dashpots of heavy neighbours": (
         {"beads": 4, "kick": {"velocity": 1.0}, "duration": 12.0, "damping": {"contact": 0.1}}
@@ -253,18 +259,6 @@ def test_the_error_of_a_peak_is_below_what_is_said_where_a_push_ends_between_two
         true = push.end - push.travel(push.end) / push.total_impulse
         assert abs(peak - push.total_impulse) <= found.peak_velocity_error[0]
         assert abs(centre - true) <= found.arrival_error[0]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("recorded", [None, (2,)])
-def test_a_kicked_bead_that_is_pushed_as_well_has_its_maximum_after_the_start(recorded):
-    push, kick = Load(1, 2, half_sine(0.3, 4.0)), Kick(bead=2, velocity=1.0)
-    fine = engine.run(pushed(problem(1, 0.0, 4, 5.0, 0.01, kicks=[kick]), push))
-    found, dense = (find_peaks([thinned(fine, stride, recorded)]) for stride in (50, 1))
-    one, true = (peaks.where(peaks.bead == 2).first() for peaks in (found, dense))
-    assert true.time[0] > 0.05
-    assert abs(one.velocity - true.velocity)[0] <= one.velocity_error[0]
-    assert abs(one.time - true.time)[0] <= one.time_error[0]
 
 
 # --- forces that begin near a frame -----------------------------------------------------------------------------------
