@@ -113,16 +113,6 @@ def test_a_passage_that_the_run_does_not_show_whole_has_no_shape_but_an_energy()
     assert shape.energy[0] == pytest.approx(float(EXACT.energy_at(0.5)), rel=1e-5)
 
 
-@pytest.mark.slow
-def test_waves_are_solitary_once_equipartitioned():
-    found = surveyed(reference(2, 0.1))
-    leading = [c for p, c in zip(found.pulses, found.characters, strict=True) if found.leads(p)]
-    assert len(leading) == 2
-    assert all(character.solitary for character in leading)
-    late = found.waves.bead[: len(found.shape.residual)] == 110
-    assert np.all(found.shape.residual[late] < 1e-3)
-
-
 def test_waves_that_still_beat_fail_by_shape_and_amplitude():
     found = surveyed(reference(2, 0.1, 40, 50.0))
     for pulse, character in zip(found.pulses, found.characters, strict=True):

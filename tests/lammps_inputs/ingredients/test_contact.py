@@ -43,13 +43,9 @@ def test_a_kicked_chain_has_the_published_amplitude_and_law_of_speed(tmp_path, e
     assert leading.solitary
 
 
-@pytest.mark.slow
-def test_linear_contacts_carry_no_pulse(tmp_path):
+def test_linear_contacts_carry_no_pulse():
     for exponent, leads in ((1.0, False), (1.04, False), (1.06, True)):
-        assert touching(exponent).problem().system.holds(Fact.PULSE) == leads
-    found = analyse(run(touching(1.0), tmp_path / "run", check=False).directory, figures=False)
-    assert "does not apply" in found.survey.verdict.sentence
-    assert found.conservation.energy_drift < 1e-4
+        assert touching(exponent).system.holds(Fact.PULSE) == leads
 
 
 @pytest.mark.slow
