@@ -104,12 +104,6 @@ def test_lags_mismatch_spread_and_shares_are_those_of_their_definitions():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("kappa", "beat"), [(0.5, 10.0), (0.1, 28.5), (0.01, 98.0)])
-def test_beats_are_as_long_as_they_look(kappa, beat):
-    assert run(2, kappa).shared.beat_length.value == pytest.approx(beat, rel=0.03)
-
-
-@pytest.mark.slow
 @settings(max_examples=50)
 @given(st.floats(12.0, 60.0), st.floats(0.2, 0.5), st.floats(30.0, 200.0))
 def test_a_known_beat_is_measured_within_its_scatter(beat, level, decay):
@@ -172,32 +166,6 @@ def test_chains_with_gaps_are_compared_by_the_impulses_of_first_contacts(directi
     assert found.compared == "impulses of first contacts"
     assert len(found) > 10
     np.testing.assert_allclose(found.amplitude, expected.first[:, rows].T, rtol=0, atol=2e-6)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("chains", "kappa", "beads", "duration", "state"),
-    [
-        (2, 0.5, 120, 192.0, EquipartitionState.EQUAL),
-        (2, 0.1, 120, 192.0, EquipartitionState.EQUAL),
-        (2, 0.1, 50, 75.0, EquipartitionState.BEATING),
-        (3, 0.1, 120, 192.0, EquipartitionState.BEATING),
-        (2, 0.005, 200, 280.0, EquipartitionState.SHORT),
-        (2, 0.1, 120, 3.0, EquipartitionState.SHORT),
-        (1, 0.0, 50, 60.0, EquipartitionState.ALONE),
-        (2, 0.0, 50, 60.0, EquipartitionState.ALONE),
-    ],
-)
-def test_verdict(chains, kappa, beads, duration, state):
-    verdict = surveyed(reference(chains, kappa, beads, duration)).verdict
-    assert verdict.state is state
-    assert verdict.sentence.startswith(state.value)
-
-
-@pytest.mark.parametrize(("beads", "duration"), [(60, 85.0), (50, 75.0), (40, 62.0)])
-def test_a_run_that_ended_early_foretells_the_bead_of_agreement_within_its_uncertainty(beads, duration):
-    expected = surveyed(reference(2, 0.1, beads, duration)).verdict.expected
-    assert abs(expected.value - 62) <= expected.uncertainty
 
 
 RULE = [  # 10 + 5 / kappa * (chains / 2)**1.6 beads
