@@ -8,7 +8,6 @@ from plain_scene import one_chain as scene
 
 from analysis import motion
 from lammps_inputs import library, strict_yaml
-from workflow.engines.reference import engine
 
 COUNTS = st.lists(st.tuples(st.sampled_from("ab"), st.integers(1, 30), st.booleans()), min_size=1, max_size=6)
 SIZES = st.floats(1e-6, 1e6)
@@ -66,15 +65,6 @@ def test_beads_by_mass_and_constant_have_the_dimensionless_problem_of_beads_of_m
     rates = [motion.acceleration(case.system, strain) for case in (si, reduced)]
     np.testing.assert_allclose(*rates, rtol=1e-6, atol=1e-8)
     assert si.problem().timestep == pytest.approx(reduced.problem().timestep, rel=1e-9)
-
-
-def test_a_kick_passes_through_ten_balls_of_known_mass_and_contact_constant():
-    """Right: 0.98587 V and -0.07109 V, by DOP853 to 1e-10; in m/s, for the kick is 0.5 m/s."""
-    times = {"duration": 10e-3, "timestep": 2e-6, "output": {"every": 1e-4}}
-    balls = scene(beads=10, mass=0.0183, contact={"stiffness": 1.05e7}, kick={"velocity": 0.5}, **times)
-    found = engine.run(balls.problem())
-    last = balls.scale.measured(found.velocity[-1, 0, [9, 0]], "velocity")
-    np.testing.assert_allclose(last, [0.5 * 0.98587, -0.5 * 0.07109], atol=0.5 * 2e-5)
 
 
 @pytest.mark.parametrize(

@@ -83,12 +83,6 @@ def test_the_bound_holds_for_two_chains_and_is_no_worse_than_two_hundred_times_t
         assert error <= bound <= 200.0 * error
 
 
-def test_a_time_beyond_the_end_by_a_rounding_of_six_digits_is_let_pass():
-    run = written_down(problem(frames=1900), oscillating(1.0, 0.0))
-    found = at_times(run, np.array([190.0 * (1.0 + 5e-6)]))
-    assert found.velocity[0, 0, 0] == pytest.approx(np.cos(190.0 * (1.0 + 5e-6)), abs=1e-9)
-
-
 def test_uneven_frames_are_refused():
     run = written_down(problem(), oscillating(1.0, 0.0))
     with pytest.raises(InputError, match="not evenly spaced"):
