@@ -2,11 +2,9 @@ import math
 
 import pytest
 from hypothesis import given, settings
-from hypothesis import strategies as st
 from strategies import scenes
 
 from lammps_inputs import InputError, Kick, Output, Scene, library, physics, strict_yaml
-from lammps_inputs.ingredients.coupling import Coupling
 
 
 def scene(**changes):
@@ -47,19 +45,6 @@ def test_the_run_ends_with_the_first_frame_that_is_not_before_the_duration(durat
 def test_a_time_step_that_divides_a_frame_is_taken_as_it_is(steps):
     problem = scene(duration=1.0, timestep=1.0 / steps, output=Output(every=1.0)).problem()
     assert problem.steps_per_frame == steps
-
-
-@pytest.mark.slow
-@given(st.floats(-12.0, 12.0), st.floats(0.0, 1e3))
-def test_a_scene_at_any_v_is_the_published_problem_at_v_equal_1(exponent, gap):
-    """The exact scaling: x = V^0.8 x^, t = V^-0.2 t^, kappa_eff = kappa V^-0.4, D_eff = D V^-0.8."""
-    v = 10.0**exponent
-    problem = scene(
-        chains=2, coupling=Coupling(stiffness=0.1), gap=gap * v**0.8, duration=5.0 * v**-0.2, kick=(Kick(velocity=v),)
-    ).problem()
-    assert physics.kappa(problem.system) == pytest.approx(0.1 * v**-0.4, rel=1e-14)
-    assert physics.gap(problem.system) == pytest.approx(gap, rel=1e-14)
-    assert problem.duration == pytest.approx(5.0, rel=1e-8)
 
 
 @pytest.mark.parametrize(
