@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_problems import problem
-from synthetic_waves import reference, surveyed
+from synthetic_waves import cut, reference, surveyed
 
 from analysis import motion
 from analysis.conservation import ConservationMeter
@@ -21,14 +21,6 @@ from analysis.sharing.survey import survey
 from analysis.tracking.peaks import PeakMeter, find_peaks
 from analysis.trajectory import Trajectory
 from lammps_inputs import Kick
-
-
-def cut(run, places):
-    edges = [0, *sorted({place for place in places if 0 < place < run.frames}), run.frames]
-    return [run[start:end] for start, end in itertools.pairwise(edges)]
-
-
-places = st.lists(st.integers(1, 60), max_size=12)
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +49,7 @@ def numbers_of(result):
 
 @pytest.mark.slow
 @settings(max_examples=6, deadline=None)
-@given(st.lists(st.integers(1, 300), max_size=12))
+@given(st.sets(st.integers(1, 300), max_size=12).map(sorted))
 def test_no_number_depends_on_where_blocks_begin(gapped, places):
     run, meters, whole = gapped
     in_blocks = measured(meters, cut(run, places))

@@ -1,6 +1,5 @@
 """Two trajectories at the same times: pairs of the same frames however the streams are cut, states between frames."""
 
-import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_problems import problem, written_down
+from synthetic_waves import cut
 
 from analysis import hermite
 from analysis.compare.common_times import OtherFramesError, at_times, interpolation_error, paired, paired_parts
@@ -98,11 +98,6 @@ def test_of_eleven_frames_no_bound_is_known():
 RUN = written_down(problem(frames=30), lambda t: (np.sin(t), np.cos(t)))
 
 CUTS = st.lists(st.integers(0, 31), max_size=6).map(sorted)
-
-
-def cut(trajectory, places):
-    ends = [0, *places, trajectory.frames]
-    return [trajectory[start:end] for start, end in itertools.pairwise(ends)]
 
 
 @pytest.mark.slow

@@ -95,20 +95,6 @@ def test_an_npz_of_a_grid_comes_back_with_chains_and_beads_in_order(path, grid, 
     same(table.load(path), grid)
 
 
-@pytest.mark.slow
-@given(grids(), st.data())
-def test_rows_that_are_left_out_are_nan(path, grid, data):
-    columns = long_columns(grid)
-    count = len(columns["time"])
-    kept = sorted(data.draw(st.sets(st.integers(0, count - 1), min_size=1)))
-    path.write_text(as_text(columns, ",", kept), encoding="utf-8")
-    found = table.load(path)
-    for name in set(columns) & set(table.VALUES):
-        known = getattr(found, name)
-        assert np.isfinite(known).sum() == len(kept)
-        np.testing.assert_array_equal(known[np.isfinite(known)], columns[name][kept])
-
-
 HEAD = "time,chain,bead,velocity\n"
 
 

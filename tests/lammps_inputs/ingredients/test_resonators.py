@@ -44,14 +44,6 @@ def test_slow_waves_carry_the_resonators_along():
     assert cell.branches(np.array([q]))[0, 0] / q == pytest.approx(math.sqrt(0.75 / 1.1) * case.scale.time, rel=1e-5)
 
 
-def test_a_resonator_weighs_on_the_contacts_of_a_column():
-    keys = {"gravity": 0.05, "walls": {"right": "flat"}, "timestep": 0.01, "output": {"every": 0.5}}
-    with_resonators = small(**keys).system
-    heavier = small([], kinds={"heavy": {"mass": 1.1, "radius": 1.0}}, pattern=["heavy"], **keys).system
-    for one, other in zip(with_resonators.along, heavier.along, strict=True):
-        np.testing.assert_allclose(one.law.rest, other.law.rest, rtol=1e-9)
-
-
 def test_the_bound_of_the_step_holds_the_frequency_of_a_bead_and_its_resonator():
     plain, own = rates.fastest(small([]).system) ** 2, rates.fastest(small().system) ** 2
     assert own - plain == pytest.approx(1.0 * (1.0 + 1.0 / 0.1), rel=1e-12)
