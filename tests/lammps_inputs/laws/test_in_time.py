@@ -149,3 +149,9 @@ def test_a_motion_passes_through_all_points_whatever_these_are(rows, velocities)
     late = np.array([2.0, 3.0]) * time[-1]
     assert np.ptp(law.impulse(late, *law)) == 0.0
     assert np.all(np.abs(law.impulse(np.linspace(0.0, time[-1], 99), *law)) <= abs(law.fastest) * (1.0 + 1e-12))
+
+
+def test_a_piston_moves_with_its_velocity_from_its_begin_to_its_end():
+    motion = Motion(1, 1, (MOTIONS["piston for a while"],))
+    assert [motion.velocity(time) for time in (0.6, 1.4, 2.2)] == [0.0, -0.4, 0.0]
+    assert [motion.displacement(time) for time in (0.6, 1.4, 2.2)] == pytest.approx([0.0, -0.28, -0.56], abs=1e-9)
