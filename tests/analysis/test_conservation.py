@@ -11,7 +11,7 @@ from synthetic_waves import of_keys
 from analysis.conservation import STORED, Account, AccountMeter, ConservationMeter
 from analysis.figures.drawing import draw
 from analysis.quantity import plain
-from lammps_inputs import Kick, physics
+from lammps_inputs import Kick
 from lammps_inputs.laws.in_time import rectangular, sine
 from lammps_inputs.loads import Load
 from lammps_inputs.units import make_scale
@@ -49,12 +49,6 @@ def test_momentum_drift_is_relative_to_the_sum_of_the_kicks_sizes(found):
     wrong = found.velocity.copy()
     wrong[40, 1, 5] -= 0.3
     assert seen(replace(found, velocity=wrong)).momentum_drift == pytest.approx(0.3 / 1.5, abs=1e-13)
-
-
-def test_kicks_that_cancel_have_a_momentum_to_keep():
-    two = scene(beads=4, kick=(Kick(velocity=1.0), Kick(bead=4, velocity=-1.0)), duration=3.0).problem()
-    assert physics.momentum(two.system) == 0.0
-    assert seen(run(two)).momentum_drift < 1e-14
 
 
 def test_drifts_are_unknown_where_not_all_beads_are_recorded():
@@ -148,18 +142,9 @@ def test_springs_between_chains_and_to_the_ground_are_told_apart():
     problem = of_keys(**{**PLAIN, "foundation": {"stiffness": 0.5}})
     ahead = np.array([[0.3], [0.0]])
     account = account_of(problem, lambda t: (ahead + 0.0 * t, 0.0 * t))
-    held = {name: part[0] for name, part in account.stored.items()}
     energy = 8 * 0.5 * 0.3**2
-    assert held == pytest.approx(
-        {
-            "kinetic": 0.0,
-            "contacts": 0.0,
-            "springs": 0.1 * energy,
-            "ground": 0.5 * energy,
-            "walls": 0.0,
-            "resonators": 0.0,
-        }
-    )
+    expected = dict.fromkeys(STORED, 0.0) | {"springs": 0.1 * energy, "ground": 0.5 * energy}
+    assert {name: part[0] for name, part in account.stored.items()} == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("duration", [120.0, 120.1])
@@ -194,12 +179,6 @@ def test_energy_before_any_input_is_an_infinite_drift():
     pushed = of_keys(**{**PLAIN, "kick": None, "push": {"peak": 1.0, "duration": 1.0, "shape": "half-sine"}})
     still = written_down(pushed, lambda t: (0.0 * t + np.arange(8.0)[::-1], 0.0 * t))[:1]
     assert seen(replace(still, exchange=np.zeros((1, 5)))).energy_drift == np.inf
-
-
-def test_a_heavy_bead_is_kicked_with_its_own_energy():
-    heavy = {"kinds": {"heavy": {"mass": 4.0}}, "replace": {"bead": 1, "kind": "heavy"}, "damping": {"beads": 0.2}}
-    account = account_of(of_keys(**{**PLAIN, **heavy}), lambda t: (0.0 * t, 0.0 * t))
-    assert account.energy_input[0] == pytest.approx(2.0)
 
 
 @pytest.mark.parametrize("cuts", [(), (1, 30)])

@@ -3,7 +3,8 @@
 import math
 
 import numpy as np
-from plain_scene import scene
+import pytest
+from plain_scene import one_chain
 
 from lammps_inputs import library
 from workflow.engines.reference import engine
@@ -12,19 +13,16 @@ from workflow.sweep import fields
 
 
 def gapped(gap, **changes):
-    return scene(**{"chains": 1, "beads": 6, "coupling": None, "gap": gap, "duration": 8.0, **changes})
+    return one_chain(**{"beads": 6, "gap": gap, "duration": 8.0, **changes})
 
 
-def test_gaps_by_number_are_those_of_a_list_and_other_beads_touch():
-    listed = gapped([0.1, 0.0, 0.3, 0.0, 0.0])
-    for keys in ({1: 0.1, 3: 0.3}, {"3": 0.3, "1": 0.1}):
-        case = gapped({"contacts": keys})
-        assert case.problem().system == listed.problem().system
-        assert library.from_plain(case.plain(), "test").problem().system == listed.problem().system
-
-
-def test_a_list_of_one_gap_is_that_gap():
-    assert gapped([0.2] * 5).problem().system == gapped(0.2).problem().system
+@pytest.mark.parametrize(
+    ("short", "listed"), [({"contacts": {3: 0.3, "1": 0.1}}, [0.1, 0.0, 0.3, 0.0, 0.0]), (0.2, [0.2] * 5)], ids=str
+)
+def test_gaps_in_short_are_those_of_a_list_also_when_written_again(short, listed):
+    case, expected = gapped(short), gapped(listed).system
+    assert case.system == expected
+    assert library.from_plain(case.plain(), "test").system == expected
 
 
 def test_random_gaps_are_factors_of_numpy_on_their_mean():

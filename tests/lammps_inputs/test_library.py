@@ -54,18 +54,10 @@ def test_any_value_of_any_key_gives_a_scene_or_one_line(pair):
 @given(st.lists(st.floats(0.0, 1e30, exclude_min=True), min_size=7, max_size=7))
 def test_any_positive_numbers_give_a_scene_or_one_line(numbers):
     radius, density, modulus, velocity, duration, every, stiffness = numbers
-    scene_or_one_line(
-        {
-            "name": "a",
-            "beads": 9,
-            "chains": 2,
-            "material": {"radius": radius, "density": density, "youngs_modulus": modulus, "poisson_ratio": 0.3},
-            "kick": {"velocity": velocity},
-            "coupling": {"stiffness": stiffness},
-            "duration": duration,
-            "output": {"every": every},
-        }
-    )
+    material = {"radius": radius, "density": density, "youngs_modulus": modulus, "poisson_ratio": 0.3}
+    kicked = {"kick": {"velocity": velocity}, "coupling": {"stiffness": stiffness}}
+    times = {"duration": duration, "output": {"every": every}}
+    scene_or_one_line({"name": "a", "beads": 9, "chains": 2, "material": material, **kicked, **times})
 
 
 @pytest.mark.parametrize(

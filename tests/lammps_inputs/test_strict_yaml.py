@@ -64,17 +64,6 @@ def test_what_is_dumped_reads_back_exactly(data):
     assert repr(strict_yaml.parse(strict_yaml.dump(data), "here")) == repr(data)
 
 
-@pytest.mark.slow
-@given(st.binary(max_size=200))
-def test_any_file_gives_a_mapping_or_one_line(tmp_path_factory, content):
-    path = tmp_path_factory.getbasetemp() / "any.yaml"
-    path.write_bytes(content)
-    try:
-        assert isinstance(strict_yaml.load(path), dict)
-    except InputError as error:
-        assert_one_line(error, f"{path}: ")
-
-
 def test_a_byte_order_mark_is_no_part_of_the_first_key_and_windows_line_ends_are_line_ends(tmp_path):
     path = tmp_path / "bom.yaml"
     path.write_bytes(b"\xef\xbb\xbfname: a\r\nbeads: 2\r\n")

@@ -51,11 +51,6 @@ def test_in_its_own_units_every_chain_has_the_equation_of_motion_of_v_equal_1(ma
     assert scale.force * scale.time == pytest.approx(scale.momentum, rel=1e-13)
 
 
-@pytest.mark.parametrize("diameter", [4.0, 8.0, 1024.0])
-def test_the_density_of_lammps_beads_gives_mass_1_to_rounding(diameter):
-    assert units.sphere_mass(diameter / 2, units.sphere_density(diameter)) == pytest.approx(1.0, rel=4e-16)
-
-
 def test_hertz_constant_is_that_of_johnson_for_equal_spheres():
     """F = 4/3 E* sqrt(R*) overlap^1.5, with R* = R/2 and 1/E* = 2 (1 - nu^2)/E (Johnson 1985, eq. 4.22)."""
     radius, modulus, ratio = 0.01, 2e11, 0.25
@@ -67,7 +62,10 @@ def test_hertz_constant_is_that_of_johnson_for_equal_spheres():
     ("unit", "largest", "shown"),
     [
         ("Hz", 9.3e4, ("kHz", 1e-3)),
+        ("m/s", 3.0, ("m/s", 1.0)),
         ("m/s", 0.02, ("mm/s", 1e3)),
+        ("m/s", 5e-6, ("\N{MICRO SIGN}m/s", 1e6)),
+        ("m/s", 1e-30, ("pm/s", 1e12)),
         ("beads/s", 9e4, ("beads/s", 1.0)),
         ("reduced", 9e4, ("reduced", 1.0)),
         ("V", 1e-4, ("V", 1.0)),

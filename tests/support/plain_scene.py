@@ -29,6 +29,11 @@ def scene(**changes: Any) -> Scene:
     return library.from_plain({key: value for key, value in {**plain, **changes}.items() if value is not None}, "test")
 
 
+def one_chain(**changes: Any) -> Scene:
+    """One chain alone, otherwise as above."""
+    return scene(**{"chains": 1, "coupling": None, **changes})
+
+
 def goes_on_bit_for_bit(case: Scene, folder: Path, *, after: int = 2000) -> None:
     """Assert that a run that is interrupted after some steps ends with the frames of one that is not."""
     run(case, folder / "whole", check=False)

@@ -1,6 +1,7 @@
 """Trajectories made of exact solitary waves at known places, and runs of the reference engine, to analyse."""
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -41,6 +42,11 @@ def reference(*arguments: Any, **options: Any) -> Trajectory:
 
 def surveyed(trajectory: Trajectory, **options: Any) -> Survey:
     return survey(trajectory.blocks, trajectory.problem, **options)
+
+
+def cut(trajectory: Trajectory, places: Iterable[int]) -> list[Trajectory]:
+    """A trajectory in pieces that begin at frames, in ascending order; a piece is empty where two begin at one."""
+    return [trajectory[start:end] for start, end in itertools.pairwise((0, *places, trajectory.frames))]
 
 
 def of_keys(**keys: Any) -> Problem:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from small_problems import problem, written_down
+from small_problems import problem
+from synthetic_waves import of_keys
 
 from analysis.compare.identify import identify, least_squares, time_shift
 from lammps_inputs.chains import coupled_chains
@@ -82,19 +83,8 @@ def test_the_coupling_is_found_also_where_there_is_none_or_the_scene_has_none(ka
 
 
 def test_springs_of_a_cubic_force_are_found_cubic():
-    run = written_down(problem(chains=2, beads=2, kicks=((1, 1, 1.0),), gap=100.0), lambda t: (0.0 * t, 0.0 * t))
-    state, h, frames = np.array([0.0, 1.0]), 1e-3, []
-    for step in range(run.problem.frames * 100 + 1):  # x'' = -2 * 0.03 x^3, for the distance of two beads of mass 1
-        if step % 100 == 0:
-            frames.append(state.copy())
-        half = state[1] - 0.5 * h * 0.06 * state[0] ** 3
-        state[0] += h * half
-        state[1] = half - 0.5 * h * 0.06 * state[0] ** 3
-    x, v = np.array(frames).T
-    displacement, velocity = np.zeros_like(run.displacement), np.zeros_like(run.velocity)
-    displacement[:, 0, 0], displacement[:, 1, 0] = x / 2.0, -x / 2.0
-    velocity[:, 0, 0], velocity[:, 1, 0] = v / 2.0, -v / 2.0
-    cubic = replace(run, displacement=displacement, velocity=velocity)
-    (departure,) = identify(cubic, engine.run(run.problem)).departures
+    keys = {"chains": 2, "beads": 2, "gap": 100.0, "kick": {"velocity": 1.0}, "duration": 10.0}
+    linear, cubic = (of_keys(**keys, coupling={name: size}) for name, size in (("stiffness", 0.1), ("cubic", 0.03)))
+    (departure,) = identify(replace(engine.run(cubic), problem=linear), engine.run(linear)).departures
     assert (departure.name, departure.quantity) == ("coupling", "exponent")
     assert abs(departure.factor - 2.0) <= departure.uncertainty < 0.3

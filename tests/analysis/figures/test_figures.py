@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from figure_table import assert_shown
-from small_problems import problem as small
 from stock_lammps import scene
 from synthetic_waves import of_keys
 
@@ -24,7 +23,6 @@ from analysis.figures.panels import (
     Image,
     Panel,
     Sheet,
-    axis_unit,
     curves_of,
     title,
 )
@@ -34,7 +32,7 @@ from analysis.files.traces import Channel, Traces
 from analysis.sharing.energies import Flow
 from analysis.statistics import histogram, statistics
 from lammps_inputs import Kick, Material, library
-from lammps_inputs.units import Label, make_scale
+from lammps_inputs.units import Label
 from workflow.measures.energy import EnergyMeasurement
 from workflow.runs.run import run
 from workflow.verdicts.analyse import measure
@@ -239,14 +237,6 @@ def test_no_text_of_a_figure_of_one_column_is_cut_or_covered(name, golden):
 
 
 # --- numbers behind figures -------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("velocity", "symbol", "worth"), [(3.0, "m/s", 3.0), (5e-6, "\N{MICRO SIGN}m/s", 5.0), (1e-30, "pm/s", 1e-18)]
-)
-def test_units_have_the_prefix_that_leaves_one_to_three_digits(velocity, symbol, worth):
-    unit = axis_unit(replace(small(), scale=make_scale(1.0, 1.0, velocity, si=True)), "velocity", 1.0)
-    assert (unit.symbol, unit.worth) == (symbol, pytest.approx(worth))
 
 
 def test_the_largest_pulses_are_shown_in_their_order_each_from_where_it_is_small_and_no_long_one():

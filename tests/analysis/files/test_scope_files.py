@@ -9,10 +9,7 @@ from analysis.files import traces
 from analysis.files.traces import Channel, TraceFile
 from lammps_inputs import InputError
 
-WALL = Channel("wall", 1, right=True)
 COLUMNS = {"time": "TIME", "force_wall_right": "CH1"}
-NUMBER = st.floats(-1e6, 1e6)
-HEAD_LINE = st.text(st.characters(codec="ascii", exclude_characters="\r\n#"), max_size=20)
 
 
 def written(tmp_path, text, **more):
@@ -30,43 +27,6 @@ def complaint_of(file):
     return ""
 
 
-@st.composite
-def scope_texts(draw):
-    """Text of a scope, lines before its names, and what it holds: times in us and signals, NaN where empty."""
-    delimiter = draw(st.sampled_from([",", ";", "\t", "  "]))
-    count = draw(st.integers(1, 8))
-    times = np.cumsum(draw(st.lists(st.floats(1e-3, 1e3), min_size=count, max_size=count)))
-    missing = st.just(np.nan) if delimiter != "  " else NUMBER
-    signals = [draw(NUMBER), *draw(st.lists(NUMBER | missing, min_size=count - 1, max_size=count - 1))]
-    quote, end = draw(st.sampled_from(["", '"'])), draw(st.sampled_from(["\n", "\r\n"]))
-    trailing = draw(st.sampled_from(["", delimiter])) if delimiter.strip() else ""
-    head = draw(st.lists(HEAD_LINE.filter(lambda line: "CH1" not in line), max_size=4))
-    unit_row = draw(st.booleans())
-    names = ["other", "TIME" if unit_row else "TIME(us)", "CH1"]
-    rows = [[f"{quote}{cell}{quote}" for cell in names], ["-", "us", "V"]] if unit_row else [names]
-    rows += [
-        ["7", repr(float(time)), "" if np.isnan(signal) else f"{quote}{signal!r}{quote}"]
-        for time, signal in zip(times, signals, strict=True)
-    ]
-    lines = [delimiter.join(row) + trailing for row in rows]
-    for place in sorted(draw(st.lists(st.integers(2, len(lines)), max_size=3)), reverse=True):
-        lines.insert(place, draw(st.sampled_from(["", "   "])))
-    mark = draw(st.sampled_from(["", "\N{BYTE ORDER MARK}"]))
-    return mark + end.join([*head, *lines]) + draw(st.sampled_from(["", end])), len(head), times, np.array(signals)
-
-
-@pytest.mark.slow
-@given(scope_texts(), st.booleans())
-@settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_every_number_of_a_scopes_file_is_read_whatever_stands_around_it(tmp_path, drawn, is_said):
-    text, skip, times, signals = drawn
-    file = written(tmp_path, text, gain={"CH1": 2.0}, baseline={"CH1": 0.5}, skip=skip if is_said else None)
-    loaded = traces.load(file)
-    assert loaded.channels == (WALL,)
-    assert loaded.time.tolist() == (times * 1e-6).tolist()
-    np.testing.assert_array_equal(loaded.values[:, 0], 2.0 * (signals - 0.5))
-
-
 @pytest.mark.slow
 @given(st.text(max_size=200))
 @settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -80,18 +40,25 @@ def test_any_other_text_is_refused_in_one_line_or_read(tmp_path, text):
 @pytest.mark.parametrize(
     ("text", "columns", "time", "values"),
     [
-        ("x-axis,1\nsecond,Volt\n-1e-3,0.1\n0,0.3\n", {"time": "x-axis", "force_wall_right": "1"}, [-1e-3, 0], [1, 3]),
-        ("Length,2,,0.1,0.2,\nStep,1,,0.2,0.4,\n,,,0.3,0.6,\n", {"time (ms)": "#4", "force_wall_right (V)": "#5"},
+        ("x-axis,1\nsecond,Volt\n-1e-3,0.6\n0,0.8\n", {"time": "x-axis", "force_wall_right": "1"}, [-1e-3, 0], [1, 3]),
+        ("Length,2,,0.1,0.7,\nStep,1,,0.2,0.9,\n,,,0.3,1.1,\n", {"time (ms)": "#4", "force_wall_right (V)": "#5"},
          [1e-4, 2e-4, 3e-4], [2, 4, 6]),
-        ("Time,Channel A\n(ms),(mV)\n\n1,5\n", {"time": "time", "force_wall_right": "channel_a"}, [1e-3], [50]),
-        ("A,TIME,CH1 (V),TIME,CH2\n0,1,2,3,4\n", {"time (s)": "#4", "force_wall_right": "CH1"}, [3], [20]),
+        ("Time,Channel A\n(ms),(mV)\n\n1,5.5\n", {"time": "time", "force_wall_right": "channel_a"}, [1e-3], [50]),
+        ("A,TIME,CH1 (V),TIME,CH2\n0,1,2.5,3,4\n", {"time (s)": "#4", "force_wall_right": "CH1"}, [3], [20]),
+        ('\N{BYTE ORDER MARK}Model;X\r\n,\r\n"7";"TIME(us)";"CH1";\r\n7;1e3;"0.6";\r\n  \r\n7;2e3;"-0.5";\r\n\r\n',
+         COLUMNS, [1e-3, 2e-3], [1, -10]),
+        ("other\tTIME\tCH1\n-\tus\tV\n7\t1\t0.5\n7\t2\t\n7\t3\t1e6", COLUMNS, [1e-6, 2e-6, 3e-6], [0, np.nan, 9999995]),
+        ("Vertical 1\nother  TIME(us)  CH1\n7  1  -1e6\n", COLUMNS, [1e-6], [-10000005]),
     ],
-    ids=["units in letters", "no line of names", "units in brackets", "a name twice, by its number"],
+    ids=["units in letters", "no line of names", "units in brackets", "a name twice, by its number",
+         "all around numbers", "tabs, holes and no last end of line", "spaces"],
 )  # fmt: skip
 def test_layouts_of_makers_are_read(text, columns, time, values, tmp_path):
-    loaded = traces.load(written(tmp_path, text, columns=columns, gain={"force_wall_right": 10.0}))
+    own = {"gain": {"force_wall_right": 10.0}, "baseline": {"force_wall_right": 0.5}}
+    loaded = traces.load(written(tmp_path, text, columns=columns, **own))
+    assert loaded.channels == (Channel("wall", 1, right=True),)
     assert loaded.time == pytest.approx(time)
-    assert loaded.values[:, 0] == pytest.approx(values)
+    assert loaded.values[:, 0] == pytest.approx(values, nan_ok=True)
 
 
 def test_a_signal_whose_gain_or_baseline_is_free_remains_as_it_is(tmp_path):

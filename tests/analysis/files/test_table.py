@@ -1,4 +1,4 @@
-"""A user's table or text dump comes back number for number, and whatever is none ends in one line."""
+"""A user's table comes back number for number, and whatever is none ends in one line."""
 
 import contextlib
 import io
@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from analysis.files import table, text_dump
+from analysis.files import table
 from lammps_inputs import InputError
 
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
@@ -95,20 +95,6 @@ def test_an_npz_of_a_grid_comes_back_with_chains_and_beads_in_order(path, grid, 
     same(table.load(path), grid)
 
 
-@pytest.mark.slow
-@given(grids(), st.data())
-def test_rows_that_are_left_out_are_nan(path, grid, data):
-    columns = long_columns(grid)
-    count = len(columns["time"])
-    kept = sorted(data.draw(st.sets(st.integers(0, count - 1), min_size=1)))
-    path.write_text(as_text(columns, ",", kept), encoding="utf-8")
-    found = table.load(path)
-    for name in set(columns) & set(table.VALUES):
-        known = getattr(found, name)
-        assert np.isfinite(known).sum() == len(kept)
-        np.testing.assert_array_equal(known[np.isfinite(known)], columns[name][kept])
-
-
 HEAD = "time,chain,bead,velocity\n"
 
 
@@ -161,62 +147,3 @@ def test_a_damaged_npz_is_read_or_refused(path, data):
 def test_any_bytes_and_any_text_after_a_header_are_read_or_refused(path, head, content):
     path.write_bytes(head + (content if isinstance(content, bytes) else content.encode(errors="surrogatepass")))
     read_or_refused(path)
-
-
-# --- text dumps of LAMMPS ---------------------------------------------------------------------------------------------
-
-FRAME = "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n4\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n{head}\n{rows}"
-COLUMNS = "ITEM: ATOMS id type x vx"
-ROWS = "3 1 4.5 0\n1 1 4 1\n2 1 8.25 -2\n4 1 8 0.125\n"
-
-
-def dump(tmp_path, *frames):
-    path = tmp_path / "mine.lammpstrj"
-    path.write_text("".join(frames))
-    return path
-
-
-def frame(step, head=COLUMNS, rows=ROWS):
-    return FRAME.format(step=step, head=head, rows=rows)
-
-
-def moved(rows=ROWS):
-    return rows.replace("8.25", "8.75").replace("4.5", "4.25")
-
-
-def test_beads_are_placed_by_their_numbers_and_displaced_from_the_first_frame(tmp_path):
-    found = text_dump.load_dump(dump(tmp_path, frame(0), frame(20, rows=moved())), beads=2, timestep=0.5)
-    assert found.time.tolist() == [0.0, 10.0]
-    assert (found.chains.tolist(), found.beads.tolist()) == ([1, 2], [1, 2])
-    assert found.displacement[1].tolist() == [[0.0, 0.5], [-0.25, 0.0]]
-    assert found.velocity[0].tolist() == [[1.0, -2.0], [0.0, 0.125]]
-
-
-def test_the_time_that_a_frame_tells_counts(tmp_path):
-    timed = [f"ITEM: UNITS\nlj\nITEM: TIME\n{time}\n{frame(step)}" for step, time in ((0, 0.0), (7, 2.5))]
-    assert text_dump.load_dump(dump(tmp_path, *timed), beads=2, timestep=9.0).time.tolist() == [0.0, 2.5]
-
-
-@pytest.mark.parametrize("left", range(1, 12))
-def test_a_frame_that_is_cut_off_is_left_out(tmp_path, left):
-    text = frame(0) + frame(1) + frame(2)
-    found = text_dump.load_dump(dump(tmp_path, text[:-left]), beads=2, timestep=1.0)
-    assert found.time.tolist() == [0.0, 1.0]
-
-
-@pytest.mark.parametrize(
-    ("frames", "says"),
-    [
-        ([frame(0)], "holds 1 complete frames"),
-        ([frame(0), frame(1, head="ITEM: ATOMS type x vx fx")], "its columns are type x vx fx"),
-        ([frame(0), frame(1, rows=ROWS.replace("4 1 8 ", "5 1 8 "))], "not the same atoms"),
-        ([frame(0, rows=ROWS.replace("4 1 8 ", "5 1 8 "))] * 2, "are not the same beads of chains of 2"),
-        ([frame(1), frame(0)], "times are not ascending"),
-        ([frame(0), frame(1, rows=ROWS.replace("8.25", "nan"))], "what is not a finite number"),
-        ([frame(0), frame(1, rows=ROWS.replace("8.25", "many"))], "is no text dump"),
-    ],
-)
-def test_what_is_no_dump_of_the_beads_is_one_line(frames, says, tmp_path):
-    with pytest.raises(InputError, match=says) as raised:
-        text_dump.load_dump(dump(tmp_path, *frames), beads=2, timestep=1.0)
-    assert "\n" not in str(raised.value)

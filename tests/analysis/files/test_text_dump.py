@@ -1,4 +1,4 @@
-"""Text dumps of an adopted deck: atoms in any order, along any axis, scaled, or beginning late."""
+"""Text dumps: of an adopted deck with atoms in any order, along any axis, scaled, or beginning late; of own beads."""
 
 import gzip
 
@@ -115,3 +115,51 @@ def test_atoms_that_cross_a_periodic_boundary_go_on(tmp_path):
     found = load_dump(path, beads=3, timestep=0.5, deck=deck())
     assert found.displacement[:, 0, 0].tolist() == [0.0, -1.5, -4.0, -6.5, -8.5, -10.0]
     assert not np.any(found.displacement[:, 0, 1:])
+
+
+# --- of beads as our decks number them --------------------------------------------------------------------------------
+
+COLUMNS = "id type x vx"
+ROWS = ["3 1 4.5 0", "1 1 4 1", "2 1 8.25 -2", "4 1 8 0.125"]
+MOVED = ["3 1 4.25 0", "1 1 4 1", "2 1 8.75 -2", "4 1 8 0.125"]
+OTHER = [*ROWS[:3], "5 1 8 0.125"]
+
+
+def test_beads_are_placed_by_their_numbers_and_displaced_from_the_first_frame(tmp_path):
+    found = load_dump(dump(tmp_path, COLUMNS, {0: ROWS, 20: MOVED}), beads=2, timestep=0.5)
+    assert found.time.tolist() == [0.0, 10.0]
+    assert (found.chains.tolist(), found.beads.tolist()) == ([1, 2], [1, 2])
+    assert found.displacement[1].tolist() == [[0.0, 0.5], [-0.25, 0.0]]
+    assert found.velocity[0].tolist() == [[1.0, -2.0], [0.0, 0.125]]
+
+
+def test_the_time_that_a_frame_tells_counts(tmp_path):
+    path = dump(tmp_path, COLUMNS, {0: ROWS, 7: ROWS})
+    text = path.read_text().replace("ITEM: TIMESTEP\n7", "ITEM: TIME\n2.5\nITEM: TIMESTEP\n7")
+    path.write_text("ITEM: UNITS\nlj\nITEM: TIME\n0.0\n" + text)
+    assert load_dump(path, beads=2, timestep=9.0).time.tolist() == [0.0, 2.5]
+
+
+@pytest.mark.parametrize("left", range(1, 12))
+def test_a_frame_that_is_cut_off_is_left_out(tmp_path, left):
+    path = dump(tmp_path, COLUMNS, dict.fromkeys(range(3), ROWS))
+    path.write_text(path.read_text()[:-left])
+    assert load_dump(path, beads=2, timestep=1.0).time.tolist() == [0.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("columns", "frames", "says"),
+    [
+        (COLUMNS, {0: ROWS}, "holds 1 complete frames"),
+        ("type x vx fx", {0: ROWS, 1: ROWS}, "its columns are type x vx fx"),
+        (COLUMNS, {0: ROWS, 1: OTHER}, "not the same atoms"),
+        (COLUMNS, {0: OTHER, 1: OTHER}, "are not the same beads of chains of 2"),
+        (COLUMNS, {1: ROWS, 0: ROWS}, "times are not ascending"),
+        (COLUMNS, {0: ROWS, 1: [*ROWS[:3], "4 1 nan 0.125"]}, "what is not a finite number"),
+        (COLUMNS, {0: ROWS, 1: [*ROWS[:3], "4 1 many 0.125"]}, "is no text dump"),
+    ],
+)
+def test_what_is_no_dump_of_the_beads_is_one_line(columns, frames, says, tmp_path):
+    with pytest.raises(InputError, match=says) as raised:
+        load_dump(dump(tmp_path, columns, frames), beads=2, timestep=1.0)
+    assert "\n" not in str(raised.value)

@@ -8,9 +8,8 @@ from stock_lammps import scene
 
 from analysis.mda.universe import universe
 from analysis.mda.waves import LeadingWaves
-from analysis.tracking.leading_waves import Waves, leading_waves
+from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
-from analysis.trajectory import Trajectory
 from lammps_inputs import Output
 from workflow.engines.lammps import engine
 from workflow.runs.run import run
@@ -31,18 +30,10 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> tuple[RunDirectory, RunDir
     return whole, window
 
 
-@pytest.fixture
-def ran(runs: tuple[RunDirectory, RunDirectory]) -> mda.Universe:
-    directory = runs[0].path
-    return mda.Universe(directory / "data.chains", directory / "chains.dump.bin")
-
-
-def expected(trajectory: Trajectory) -> Waves:
-    return leading_waves(find_peaks([trajectory]), trajectory.problem)
-
-
-def test_results_are_those_of_the_arrays(ran: mda.Universe, runs: tuple[RunDirectory, RunDirectory]) -> None:
-    found, wanted = LeadingWaves(ran, SCENE.problem()).run().results, expected(runs[0].trajectory)
+def test_results_are_those_of_the_arrays(runs: tuple[RunDirectory, RunDirectory]) -> None:
+    directory, problem = runs[0].path, SCENE.problem()
+    ran = mda.Universe(directory / "data.chains", directory / "chains.dump.bin")
+    found, wanted = LeadingWaves(ran, problem).run().results, leading_waves(find_peaks([runs[0].trajectory]), problem)
     assert set(found) == set(COLUMNS)
     np.testing.assert_array_equal(found.bead, wanted.bead)
     np.testing.assert_allclose(found.peak_velocity, wanted.peak_velocity, rtol=1e-12)

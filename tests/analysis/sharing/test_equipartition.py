@@ -56,24 +56,13 @@ def test_where_all_amplitudes_are_0_the_mismatch_is_undefined_and_the_other_plac
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("chains", "kappa", "tolerance", "bead"),
-    [
-        (2, 0.5, 0.1, 11),
-        (2, 0.5, 0.01, 17),
-        (2, 0.1, 0.1, 33),
-        (2, 0.1, 0.01, 62),
-        (3, 0.1, 0.1, 64),
-        (3, 0.1, 0.01, 105),
-    ],
+    ("chains", "kappa", "of_a_tenth", "of_a_hundredth"),
+    [(2, 0.5, 11, 17), (2, 0.1, 33, 62), (2, 0.01, 265, 507), (3, 0.1, 64, 105)],
 )
-def test_chains_agree_from_the_bead_of_the_table(chains, kappa, tolerance, bead):
-    assert run(chains, kappa).shared.agrees_from(tolerance) == bead
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("tolerance", "bead"), [(0.1, 265), (0.01, 507)])
-def test_weakly_coupled_chains_agree_from_the_bead_of_the_table_within_one_per_cent(tolerance, bead):
-    assert run(2, 0.01).shared.agrees_from(tolerance) == pytest.approx(bead, rel=0.01)
+def test_chains_agree_from_the_bead_of_the_table(chains, kappa, of_a_tenth, of_a_hundredth):
+    """Weakly coupled ones within one per cent, which is less than a bead of the others."""
+    found = [run(chains, kappa).shared.agrees_from(tolerance) for tolerance in (0.1, 0.01)]
+    assert found == pytest.approx([of_a_tenth, of_a_hundredth], abs=0.0, rel=0.01 if kappa < 0.1 else 0.0)
 
 
 @pytest.mark.parametrize(
@@ -99,18 +88,6 @@ def test_energies_of_the_chains_add_up_to_that_of_the_kick():
     assert np.allclose(np.sum(run(3, 0.1).energies.chain, axis=1), 1.0, rtol=0, atol=1e-5)
 
 
-def test_no_wave_holds_more_than_its_chain():
-    energies = run(2, 0.1).energies
-    known = np.isfinite(energies.wave)
-    assert np.count_nonzero(known) > 0.8 * known.size
-    assert np.all(energies.wave[known] <= energies.chain[known] + 1e-12)
-
-
-def test_peaks_of_three_chains_at_bead_90_are_those_of_the_table():
-    shared = run(3, 0.1).shared
-    assert shared.amplitude[shared.bead == 90][0] == pytest.approx([0.25525, 0.25563, 0.25596], abs=5e-6)
-
-
 def by_hand(kicked: int = 0) -> Sharing:
     """Three chains at one bead: amplitudes 0.5, 0.25, 0.125, arriving at 10, 13, 9."""
     return Sharing(kicked, np.array([20]), np.array([[10.0, 13.0, 9.0]]), np.array([[0.5, 0.25, 0.125]]), 0.5)
@@ -124,20 +101,6 @@ def test_lags_mismatch_spread_and_shares_are_those_of_their_definitions():
     passage = 1.579 / (0.9074701 * (0.875 / 3.0) ** 0.2)
     assert by_hand().spread[0] == pytest.approx(4.0 / passage, rel=5e-4)
     assert by_hand().wave_share[0] == pytest.approx(1.069323 * np.array([0.5, 0.25, 0.125]) ** 2 / 0.5, rel=1e-6)
-
-
-def test_lag_changes_sign_with_the_beat_and_dies_away():
-    lag = run(2, 0.1).shared.lag[:, 1]
-    crossings = np.flatnonzero(np.sign(lag[1:]) != np.sign(lag[:-1]))
-    assert np.diff(crossings[:5]) == pytest.approx(14.0, abs=2.0)
-    assert abs(lag[0]) > 2.0
-    assert abs(lag[-1]) < 0.002
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("kappa", "beat"), [(0.5, 10.0), (0.1, 28.5), (0.01, 98.0)])
-def test_beats_are_as_long_as_they_look(kappa, beat):
-    assert run(2, kappa).shared.beat_length.value == pytest.approx(beat, rel=0.03)
 
 
 @pytest.mark.slow
@@ -175,13 +138,6 @@ def test_the_beats_foretell_agreement_unless_an_inner_chain_of_more_than_four_wa
         assert expected is None
 
 
-def test_agreement_needs_half_a_beat_to_count():
-    shared = beating(0.36, 40.0, 1e9, 70)
-    near_zero = shared.mismatch < 0.1
-    assert near_zero[-1]
-    assert shared.agrees_from(0.1) is None
-
-
 @pytest.mark.parametrize(("beads", "counts"), [(10, False), (11, True)])
 def test_agreement_counts_that_is_as_long_as_the_last_half_beat(beads, counts):
     """The last half beat is 10 beads long; from bead 32 on amplitudes differ by a thousandth, over 9 or 10 beads."""
@@ -190,14 +146,6 @@ def test_agreement_counts_that_is_as_long_as_the_last_half_beat(beads, counts):
     shared = Sharing(0, np.arange(2, 32 + beads), np.zeros(amplitude.shape), amplitude, 0.5)
     assert np.diff(shared.beats).tolist() == [10.0]
     assert shared.agrees_from(0.01) == (32 if counts else None)
-
-
-def test_agreement_that_is_lost_again_begins_after_the_loss():
-    amplitude = np.full((100, 2), 0.3)
-    amplitude[:60, 0] *= 1.0 + 0.05 * np.cos(np.arange(60))
-    shared = Sharing(0, np.arange(2, 102), np.zeros((100, 2)), amplitude, 0.5)
-    last_bad = int(np.flatnonzero(shared.mismatch >= 0.01)[-1])
-    assert shared.agrees_from(0.01) == shared.bead[last_bad + 1]
 
 
 def test_changes_of_sign_between_two_beads_make_no_beat():
@@ -218,32 +166,6 @@ def test_chains_with_gaps_are_compared_by_the_impulses_of_first_contacts(directi
     assert found.compared == "impulses of first contacts"
     assert len(found) > 10
     np.testing.assert_allclose(found.amplitude, expected.first[:, rows].T, rtol=0, atol=2e-6)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("chains", "kappa", "beads", "duration", "state"),
-    [
-        (2, 0.5, 120, 192.0, EquipartitionState.EQUAL),
-        (2, 0.1, 120, 192.0, EquipartitionState.EQUAL),
-        (2, 0.1, 50, 75.0, EquipartitionState.BEATING),
-        (3, 0.1, 120, 192.0, EquipartitionState.BEATING),
-        (2, 0.005, 200, 280.0, EquipartitionState.SHORT),
-        (2, 0.1, 120, 3.0, EquipartitionState.SHORT),
-        (1, 0.0, 50, 60.0, EquipartitionState.ALONE),
-        (2, 0.0, 50, 60.0, EquipartitionState.ALONE),
-    ],
-)
-def test_verdict(chains, kappa, beads, duration, state):
-    verdict = surveyed(reference(chains, kappa, beads, duration)).verdict
-    assert verdict.state is state
-    assert verdict.sentence.startswith(state.value)
-
-
-@pytest.mark.parametrize(("beads", "duration"), [(60, 85.0), (50, 75.0), (40, 62.0)])
-def test_a_run_that_ended_early_foretells_the_bead_of_agreement_within_its_uncertainty(beads, duration):
-    expected = surveyed(reference(2, 0.1, beads, duration)).verdict.expected
-    assert abs(expected.value - 62) <= expected.uncertainty
 
 
 RULE = [  # 10 + 5 / kappa * (chains / 2)**1.6 beads

@@ -17,10 +17,9 @@ from analysis.shape.long_waves import sound_speed
 from analysis.shape.waveforms import REACH, Passages, WaveformMeter
 from analysis.sharing.is_solitary import Tolerances, characterise
 from analysis.sharing.survey import survey
-from analysis.tracking.peaks import find_peaks
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Trajectory
-from lammps_inputs import Kick, library
+from lammps_inputs import Kick
 from workflow.engines.reference import engine
 
 EXACT = solitary_wave()
@@ -40,7 +39,7 @@ def test_a_pulse_on_a_static_load_has_no_difference_from_an_exact_wave():
     assert np.isnan([shape.residual, shape.residual_error]).all()
 
 
-@settings(max_examples=12)
+@settings(max_examples=6)
 @given(st.floats(0.05, 1.0), st.floats(0.01, 0.3), st.floats(6.0, 15.0), st.sampled_from([1, -1]))
 @pytest.mark.slow
 def test_an_exact_wave_has_the_momentum_energy_and_shape_of_the_exact_wave(peak, every, arrival, direction):
@@ -50,7 +49,7 @@ def test_an_exact_wave_has_the_momentum_energy_and_shape_of_the_exact_wave(peak,
     assert shape.residual[0] < 1e-9
 
 
-@settings(max_examples=25)
+@settings(max_examples=10)
 @given(st.floats(0.05, 1.0), st.floats(0.01, 1.0), st.floats(6.0, 15.0))
 @pytest.mark.slow
 def test_width_is_within_its_stated_error_on_any_grid(peak, every, arrival):
@@ -75,7 +74,7 @@ def test_maxima_in_reverse_order_or_at_one_time_have_no_width(speed):
 
 
 @pytest.mark.slow
-@settings(max_examples=20)
+@settings(max_examples=8)
 @given(st.floats(0.1, 1.0), st.floats(0.5, 2.0))
 def test_a_wave_that_is_too_wide_has_the_width_put_in_and_a_residual(peak, stretch):
     trajectory = exact_waves([(peak, 8.0)])
@@ -107,72 +106,11 @@ def test_the_momentum_of_what_has_not_come_to_rest_after_four_beads_is_undefined
     assert np.isnan([shape.momentum[0], shape.momentum_error[0]]).all()
 
 
-LOADED = [
-    ({"precompression": {"force": 0.05}}, True),
-    ({"precompression": {"force": 0.15}}, True),
-    ({"precompression": {"force": 0.3}}, False),  # velocities of 3% and 6% of the peak at either end
-    ({"precompression": {"force": 2.0}}, False),
-    ({"precompression": {"force": 0.1}, "chains": 2, "coupling": {"stiffness": 0.02}}, True),
-    ({"chains": 2, "coupling": {"stiffness": 0.1}}, True),
-]
-
-
-def pushed(changes, every):
-    """Run of 40 beads with frames so far apart, and its survey."""
-    plain = {"name": "a", "beads": 40, "kick": {"velocity": 1.0}, "duration": 36.0, "output": {"every": every}}
-    run = engine.run(library.from_plain({**plain, **changes}, "a").problem())
-    return run, survey(lambda: [run], run.problem)
-
-
-def passage(found, chain, bead, arrival):
-    """Arrival and speed of the pulse that passes a bead at about a time, and its arrivals by bead."""
-    pulse = min(
-        (pulse for pulse in found.pulses if pulse.chain == chain and bead in pulse.bead),
-        key=lambda pulse: abs(float(pulse.arrival[pulse.bead == bead][0]) - arrival),
-    )
-    (k,) = np.flatnonzero(pulse.bead == bead)
-    return float(pulse.arrival[k]), float(pulse.speed[k]), dict(zip(pulse.bead.tolist(), pulse.arrival, strict=True))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("changes", "defined"), LOADED)
-def test_momenta_hold_within_their_uncertainty_whatever_the_frames_and_the_ends_of_the_pulse(changes, defined):
-    """Against frames 0.02 T apart, and against the time from four beads before to four behind by the arrivals there."""
-    stated = 0
-    fine, finely = pushed(changes, 0.02)
-    for every in (0.1, 0.25, 0.5):
-        found = pushed(changes, every)[1]
-        for pulse, character in zip(found.pulses, found.characters, strict=True):
-            if not np.isfinite(character.momentum):
-                continue
-            stated += 1
-            v = pulse.direction * fine.velocity[:, pulse.chain - 1, character.bead - 1]
-            integral = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(fine.time))])
-            arrival, speed, arrivals = passage(finely, pulse.chain, character.bead, character.arrival)
-            far = [arrivals.get(character.bead + side * pulse.direction * 4) for side in (-1, 1)]
-            for ends in ([arrival - 4.0 / speed, arrival + 4.0 / speed], far):
-                if None not in ends:
-                    momentum = speed * float(np.diff(np.interp(ends, fine.time, integral))[0])
-                    assert abs(momentum - character.momentum) <= character.momentum_error
-            assert character.momentum_error <= 0.05 * abs(character.momentum)
-    assert (stated > 0) == defined
-
-
 def test_a_passage_that_the_run_does_not_show_whole_has_no_shape_but_an_energy():
     trajectory = exact_waves([(0.5, 8.0)])
     shape = shape_of(trajectory[: int(32.5 / 0.1)], 0.5, 8.0, 20)
     assert np.isnan([shape.width[0], shape.momentum[0], shape.residual[0]]).all()
     assert shape.energy[0] == pytest.approx(float(EXACT.energy_at(0.5)), rel=1e-5)
-
-
-@pytest.mark.slow
-def test_waves_are_solitary_once_equipartitioned():
-    found = surveyed(reference(2, 0.1))
-    leading = [c for p, c in zip(found.pulses, found.characters, strict=True) if found.leads(p)]
-    assert len(leading) == 2
-    assert all(character.solitary for character in leading)
-    late = found.waves.bead[: len(found.shape.residual)] == 110
-    assert np.all(found.shape.residual[late] < 1e-3)
 
 
 def test_waves_that_still_beat_fail_by_shape_and_amplitude():
@@ -202,16 +140,8 @@ def test_the_pulse_of_contacts_of_strength_30_is_the_exact_wave_of_these(exponen
     assert character.speed == pytest.approx(expected, rel=1e-4)
 
 
-SHAPE = {
-    "width": 1.6,
-    "width_error": 0.0,
-    "momentum": 1.0,
-    "momentum_error": 0.0,
-    "energy": 1.0,
-    "energy_error": 0.0,
-    "residual": 0.005,
-    "residual_error": 0.0,
-}
+SHAPE = {"width": 1.6, "momentum": 1.0, "energy": 1.0, "residual": 0.005}
+SHAPE |= {f"{name}_error": 0.0 for name in SHAPE}
 
 
 @pytest.mark.parametrize(("count", "variation"), [(40, 0.1 / 0.55), (6, np.nan)], ids=["ten beads", "five beads"])
@@ -314,21 +244,6 @@ def test_any_run_however_short_is_surveyed_without_a_word(kick):
     run = reference(2, 0.1, 10, 4.0, kicks=[kick])
     for frames in (1, 2, 3, 40):
         surveyed(run[:frames])
-
-
-@pytest.mark.parametrize("recorded", ["all", [2, 6, 11, 15]])
-@pytest.mark.parametrize("every", [0.25, 0.5])
-def test_a_pulse_differs_from_one_of_closer_frames_by_no_more_than_it_states(recorded, every):
-    plain = {"beads": 20, "kick": {"velocity": 1.0}, "duration": 30.0, "timestep": 0.01}
-    fine, coarse = (
-        engine.run(of_keys(**{**plain, "output": output}))
-        for output in ({"every": 0.02}, {"every": every, "beads": recorded})
-    )
-    found = surveyed(coarse).characters[0]
-    true = find_peaks(fine.blocks())
-    (k,) = np.flatnonzero((true.bead == found.bead) & (np.abs(true.time - found.arrival) < 0.5))
-    assert abs(found.arrival - true.time[k]) <= found.arrival_error < 0.5
-    assert abs(found.peak_velocity - true.velocity[k]) <= found.peak_velocity_error < 0.01
 
 
 def test_with_kicks_from_both_ends_the_leading_wave_is_a_pulse_and_not_what_the_other_left_behind():

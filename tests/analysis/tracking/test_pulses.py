@@ -75,15 +75,6 @@ def test_two_pulses_that_meet_head_on_are_each_one_pulse_before_and_after():
     assert left.peak_velocity[-10] == pytest.approx(0.7 * 0.6816, abs=0.02)
 
 
-@pytest.mark.slow
-def test_pulses_of_three_kicks_are_three_pulses_that_sort_themselves_by_amplitude():
-    kicks = [Kick(velocity=0.8), Kick(bead=6, velocity=1.0), Kick(bead=12, velocity=0.5)]
-    pulses = [p for p in found_in(reference(1, 0.0, 250, 360.0, kicks=kicks)) if p.peak_velocity[-9] > 0.2]
-    assert len(pulses) == 3
-    at_240 = sorted((float(p.arrival[p.bead == 240][0]), float(p.peak_velocity[p.bead == 240][0])) for p in pulses)
-    assert at_240 == sorted(at_240, key=lambda passage: -passage[1])
-
-
 def test_a_single_chain_holds_one_pulse_and_no_other():
     trajectory = reference(1, 0.0, 120, 160.0)
     (pulse,) = found_in(trajectory)
@@ -107,19 +98,6 @@ def test_a_run_that_ended_early_shows_the_pulse_as_far_as_it_came():
     assert pulse.bead[-1] == pytest.approx(1 + (60.0 - 0.77532) * 0.8405, abs=1.5)
     (whole,) = found_in(trajectory)
     assert np.allclose(pulse.peak_velocity, whole.peak_velocity[: len(pulse)], rtol=0, atol=1e-12)
-
-
-@pytest.mark.slow
-def test_output_ten_times_coarser_changes_amplitudes_by_less_than_1e_4_and_arrivals_by_less_than_1e_3():
-    fine, coarse = (find_peaks(reference(every=every).blocks()) for every in (0.1, 1.0))
-    for chain in (1, 2):
-        for bead in range(2, 116):
-            own = [(peaks.chain == chain) & (peaks.bead == bead) for peaks in (fine, coarse)]
-            first, second = (
-                (peaks.time[mask][0], peaks.velocity[mask][0]) for peaks, mask in zip((fine, coarse), own, strict=True)
-            )
-            assert second[1] == pytest.approx(first[1], abs=1e-4)
-            assert second[0] == pytest.approx(first[0], abs=1e-3)
 
 
 @pytest.mark.parametrize("beads", [8, 30])

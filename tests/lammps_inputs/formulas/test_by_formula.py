@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
-from plain_scene import scene
+from plain_scene import one_chain, scene
 
 from lammps_inputs import InputError, laws, physics
 from lammps_inputs.formulas.expression import names
@@ -12,11 +12,7 @@ from lammps_inputs.formulas.formula_law import Force, FormulaLaw, reach
 from lammps_inputs.limits import rates
 
 MAGNETS = {"force": "A/(d+s)^p", "A": 1.0, "p": 4.0, "d": 1.0}
-HELD = {"walls": {"left": "bead", "right": "bead"}, "chains": 1, "coupling": None}
-
-
-def by_contact(force, **keys):
-    return scene(chains=1, coupling=None, contact={"force": force, **keys})
+HELD = {"left": "bead", "right": "bead"}
 
 
 @pytest.mark.parametrize("force", ["k*((s+0.1)^2-0.01)", "k*(s+0.3)^3-k*0.027"])
@@ -41,7 +37,7 @@ NUMBERS = st.sampled_from([0.0, 1e-14, 1e-6, 0.01, 0.3])
 
 
 @pytest.mark.slow
-@settings(max_examples=24, derandomize=True, database=None, deadline=None, phases=(Phase.explicit, Phase.generate))
+@settings(max_examples=16, derandomize=True, database=None, deadline=None, phases=(Phase.explicit, Phase.generate))
 @given(st.sampled_from(sorted(FORMULAS)), st.sampled_from([0.07, 0.5, 3.0]), NUMBERS, NUMBERS, st.floats(0.2, 5.0))
 def test_springs_by_formula_have_that_force_at_every_strain_that_the_energy_reaches_or_are_refused(force, k, c, f, d):
     """A force at rest that is left out, or a pole within reach, would be another problem in each engine."""
@@ -49,7 +45,7 @@ def test_springs_by_formula_have_that_force_at_every_strain_that_the_energy_reac
     at_rest = numbers.get("f", 0.0) != 0.0
     refused, made = "", None
     try:
-        made = scene(chains=1, coupling=None, foundation={"force": force, **numbers})
+        made = one_chain(foundation={"force": force, **numbers})
     except InputError as error:
         refused = str(error)
     assert ("at s = 0, where beads rest" in refused) == at_rest
@@ -70,11 +66,10 @@ def test_springs_by_formula_have_that_force_at_every_strain_that_the_energy_reac
 def test_a_formula_of_a_known_law_is_that_law_to_the_last_bit():
     plain, written = scene(coupling={"stiffness": 0.1}), scene(coupling={"force": "k*s", "k": 0.1})
     assert written.problem() == plain.problem()
-    assert (
-        by_contact("A*s^p", A=2.0, p=1.3).system
-        == scene(chains=1, coupling=None, contact={"exponent": 1.3, "stiffness": 2.0}).system
-    )
-    assert by_contact("A*s^1.5", A=1.0).system == scene(chains=1, coupling=None).system
+    contacts = {"force": "A*s^p", "A": 2.0, "p": 1.3}, {"exponent": 1.3, "stiffness": 2.0}
+    spheres = {"force": "A*s^1.5", "A": 1.0}, None
+    for one, other in (contacts, spheres):
+        assert one_chain(contact=one).system == one_chain(contact=other).system
     ground = [scene(foundation=keys).system for keys in ({"stiffness": 0.2}, {"force": "k*s", "k": 0.2})]
     assert ground[0] == ground[1]
     assert scene(coupling={"force": "k*s", "k": 0.0}).system == scene(coupling=None).system
@@ -83,7 +78,7 @@ def test_a_formula_of_a_known_law_is_that_law_to_the_last_bit():
 @pytest.mark.slow
 def test_the_sign_of_the_strain_of_contacts_follows_from_where_they_push_harder():
     apart, closer = (
-        scene(contact=keys, **HELD).system.along[0].law for keys in (MAGNETS, {**MAGNETS, "force": "A/(d-s)^p"})
+        one_chain(contact=keys, walls=HELD).system.along[0].law for keys in (MAGNETS, {**MAGNETS, "force": "A/(d-s)^p"})
     )
     strain = np.linspace(-1.0, 0.3, 27)
     np.testing.assert_allclose(laws.force(apart, strain), laws.force(closer, strain), rtol=1e-13)
@@ -98,7 +93,7 @@ def test_contacts_that_touch_at_rest_pull_only_where_tension_is_allowed():
     toda = {"force": "a*(exp(-b*s)-1)", "a": 0.7, "b": 1.3}
     for tension, pull in ((None, 0.0), ("allowed", 0.7 * np.expm1(-0.13))):
         keys = toda if tension is None else {**toda, "tension": tension}
-        made = scene(chains=1, coupling=None, contact=keys)
+        made = one_chain(contact=keys)
         link, unit = made.system.along[0], made.scale
         assert laws.force(link.law, -0.1 / unit.length) * unit.force == pytest.approx(pull, rel=1e-12)
 
@@ -129,6 +124,3 @@ def test_the_energy_is_the_integral_of_the_force_whether_or_not_sympy_has_a_form
     held = laws.energy(law, s)[::2]
     np.testing.assert_allclose(held[1:] - held[0], simpson, atol=1e-9)
     np.testing.assert_allclose(np.gradient(push, s)[1:-1], laws.stiffness(law, s)[1:-1], atol=1e-3)
-
-
-# --- as a plug-in -----------------------------------------------------------------------------------------------------

@@ -1,29 +1,25 @@
 """Springs between chains: pairs, rows, bounds and bond types; the motion is in `test_every_ingredient`."""
 
 import numpy as np
+import plain_scene
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lammps_inputs import library, physics
+from lammps_inputs import physics
 from lammps_inputs.decks import deck
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.rates import stability_bound
 
 
 def scene(coupling, **changes):
-    plain = {"name": "test", "chains": 3, "beads": 8, "kick": {"velocity": 1.0}, "duration": 4.0, "coupling": coupling}
-    return library.from_plain({**plain, **changes}, "test")
+    return plain_scene.scene(**{"chains": 3, "beads": 8, "output": None, "coupling": coupling, **changes})
 
 
 def spring(coupling, **changes):
     """The one link across of a scene."""
     (link,) = scene(coupling, **changes).system.across
     return link
-
-
-def graph(**topology):
-    return {"stiffness": 0.1, "topology": topology}
 
 
 @pytest.mark.parametrize(
@@ -89,5 +85,5 @@ def test_many_chains_are_bounded_without_a_matrix():
 
 
 def test_chains_that_are_tied_are_one_group():
-    system = scene(graph(edges=[[1, 4], [2, 3]]), chains=5).system
+    system = scene({"stiffness": 0.1, "topology": {"edges": [[1, 4], [2, 3]]}}, chains=5).system
     assert [physics.tied_to(system, chain) for chain in range(5)] == [[0, 3], [1, 2], [1, 2], [0, 3], [4]]

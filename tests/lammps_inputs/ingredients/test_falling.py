@@ -50,14 +50,6 @@ def test_a_bead_returns_to_the_height_from_which_it_fell_onto_a_floor(tmp_path):
     assert report.budget.energy_input[0] == pytest.approx(0.5, rel=1e-12)
 
 
-@pytest.mark.slow
-def test_the_speed_at_the_floor_is_that_of_the_fall_to_every_digit():
-    case = scene(gap=2.0, walls={"right": "flat"}, duration=math.sqrt(2.0 * 2.0 / 0.1), output={"every": 1e-3})
-    velocity = engine.run(case.problem()).velocity[-1, 0, -1] * case.scale.velocity
-    assert velocity == pytest.approx(math.sqrt(2.0 * 0.1 * 2.0), rel=1e-3)
-    assert case.scale.velocity == pytest.approx(math.sqrt(2.0 * 0.1 * (2.0 + 0.1 ** (2.0 / 3.0))), rel=1e-12)
-
-
 FALLING = {
     "gaps": {"gap": 0.5, "beads": 5, "walls": {"right": "bead"}},
     "unlike, kicked": {"beads": 8, **DIMER, "walls": {"left": "flat", "right": "rigid"}, "kick": {"velocity": -0.4}},

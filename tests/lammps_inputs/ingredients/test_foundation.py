@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from ingredient_scenes import VANISHING
 from plain_scene import scene
 
-from analysis.conservation import ConservationMeter
 from analysis.shape.unit_cell import NoDispersionError, cell_of
 from analysis.sharing.energies import FlowMeter, has_modes
 from analysis.trajectory import Trajectory
@@ -18,7 +16,6 @@ from lammps_inputs.laws.spring import Varying
 from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
 from workflow.quantities.evaluate import of_scene
-from workflow.runs.run import run
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -73,20 +70,6 @@ def test_no_ramp_to_or_from_nearly_0_is_negative_by_rounding_in_lammps(ramp, lea
     assert np.min(stiffness) >= 0.0
     rounding = 1e-12 * largest + 4.0 * abs(law.rate) * np.spacing(time + abs(begin) + lasts)
     np.testing.assert_array_less(np.abs(stiffness - np.interp(time, [begin, end], ends)), rounding)
-
-
-@pytest.mark.slow
-def test_a_foundation_that_vanishes_in_time_runs_in_lammps(tmp_path):
-    case = scene(chains=1, coupling=None, beads=3, foundation={"stiffness": VANISHING}, duration=8.0, timestep=0.01)
-    assert run(case, tmp_path / "run").check.velocity < 1e-4
-
-
-@pytest.mark.slow
-def test_the_budget_of_the_reference_closes_with_the_work_of_the_ground():
-    problem = scene(foundation={"stiffness": CROSSING}).problem()
-    seen = ConservationMeter(problem).read(engine.blocks(problem, steps_per_frame=40))
-    assert physics.exchanges(problem.system)
-    assert seen.energy_drift < 1e-7
 
 
 def test_modes_have_shares_of_the_action_where_no_contact_is_loaded():

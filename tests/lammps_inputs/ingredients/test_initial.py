@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from plain_scene import one_chain
 
 from lammps_inputs import InputError, library, physics
 from lammps_inputs.facts import Fact
@@ -17,7 +18,7 @@ PAIR = {"beads": 2, "initial": {"bead": 1, "displacement": 0.6}}
 
 
 def scene(keys, **more):
-    return library.from_plain({"name": "start", "beads": 2, "duration": 10.0, **keys, **more}, "x")
+    return one_chain(**{"beads": 2, "kick": None, "duration": 10.0, "output": None, **keys, **more})
 
 
 def test_two_beads_released_from_an_overlap_share_its_energy_exactly(tmp_path):
@@ -54,59 +55,6 @@ def test_velocities_alone_are_kicks_which_add_to_those_of_the_same_bead():
         rtol=1e-15,
     )
     assert state.system.holds(Fact.PULSE)
-
-
-@pytest.mark.slow
-def test_a_normal_mode_of_a_linear_chain_keeps_its_shape(tmp_path):
-    """Contacts of exponent 1 that stay closed are springs: ``x_i = a sin(q i) cos(omega t)`` between walls."""
-    beads, size, q = 8, 1e-3, 3.0 * math.pi / 9.0
-    omega = 2.0 * math.sin(0.5 * q)
-    rows = [[1, i, size * math.sin(q * i), 0.0] for i in range(1, beads + 1)]
-    case = scene(
-        {"beads": beads, "contact": {"exponent": 1.0}, "walls": {"left": "bead", "right": "bead"}},
-        precompression={"force": 0.1},
-        initial={"table": rows},
-        duration=4.0 * math.pi / omega,
-        accuracy=1e-6,
-    )
-    done = run(case, tmp_path / "run")
-    time = done.trajectory.time * case.scale.time
-    exact = np.cos(omega * time)[:, np.newaxis] * [row[2] for row in rows]
-    error = np.max(np.abs(done.trajectory.displacement[:, 0] * case.scale.length - exact))
-    assert error < 2e-5 * size  # of velocities 1e-6 V, where V = sqrt(k) times the largest overlap
-
-
-@pytest.mark.slow
-def test_a_bead_that_is_drawn_back_swings_on_its_foundation_as_a_cosine(tmp_path):
-    case = scene(
-        {"beads": 3, "gap": 1.0, "foundation": {"stiffness": 0.3}, "initial": {"bead": 1, "displacement": -0.5}}
-    )
-    done = run(case, tmp_path / "run")
-    time = done.trajectory.time * case.scale.time
-    found = done.trajectory.displacement[:, 0, 0] * case.scale.length
-    assert found == pytest.approx(-0.5 * np.cos(math.sqrt(0.3) * time), abs=2e-4)
-    assert not np.any(done.trajectory.displacement[:, 0, 1:])
-
-
-@pytest.mark.slow
-def test_both_engines_start_from_the_same_numbers_to_the_last_bit(tmp_path):
-    parts = {"beads": 40, "initial": [{"bead": 31, "displacement": 0.1234567890123}, {"bead": 7, "velocity": -0.3}]}
-    case = scene(
-        parts, precompression={"force": 0.037}, damping={"contact": 0.05}, timestep=0.01, output={"every": 0.1}
-    )
-    done, reference = run(case, tmp_path / "run", check=False).trajectory, engine.run(case.problem())
-    np.testing.assert_array_equal(done.displacement[0], reference.displacement[0])
-    np.testing.assert_array_equal(done.velocity[0], reference.velocity[0])
-    assert done.displacement[0, 0, 30] * case.scale.length == pytest.approx(0.1234567890123, abs=1e-12)
-
-
-@pytest.mark.slow
-def test_the_energy_stored_at_the_start_is_energy_input_of_the_budget(tmp_path):
-    case = scene(PAIR, damping={"contact": 0.2, "law": "viscoelastic"})
-    budget = analyse(run(case, tmp_path / "run").directory, figures=False).conservation.budget
-    assert budget.energy_input == pytest.approx(0.5, rel=1e-12)
-    assert budget.contacts[0] == pytest.approx(0.5, rel=1e-12)
-    assert np.max(np.abs(budget.missing)) < 1e-3
 
 
 def test_a_table_of_a_file_may_leave_columns_and_cells_out_and_is_part_of_the_scene(tmp_path):

@@ -8,12 +8,11 @@ import pytest
 import yaml
 from ingredient_scenes import FORCED as PUSHED
 from ingredient_scenes import MOVED, STEEL
-from plain_scene import scene
+from plain_scene import one_chain, scene
 from wrong_runs import causes
 
 from analysis.conservation import ConservationMeter
 from lammps_inputs import file_names, library, physics
-from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.on_bead import MOST_POINTS
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.engines.reference import engine
@@ -22,11 +21,14 @@ from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
-HALF_SINE = "{peak: 1.0, duration: 2.0, shape: half-sine}"
+
+def forced(**keys):
+    """A chain whose bead 1 is not kicked."""
+    return one_chain(**{"kick": None, "output": None, "duration": 10.0, **keys})
 
 
-def pushed(push=HALF_SINE, more=""):
-    return library.from_plain(yaml.safe_load(f"name: pushed\nbeads: 20\nduration: 10\npush: {push}\n{more}"), "x")
+def pushed(peak=1.0, duration=2.0, **keys):
+    return forced(push={"peak": peak, "duration": duration, "shape": "half-sine"}, **keys)
 
 
 def test_without_a_kick_v_is_what_the_push_gives_a_free_bead():
@@ -37,31 +39,35 @@ def test_without_a_kick_v_is_what_the_push_gives_a_free_bead():
 
 
 def test_in_si_the_numbers_are_newtons_and_seconds():
-    steel = "material: {radius: 4.76e-3, density: 8000, youngs_modulus: 193.0e+9, poisson_ratio: 0.3}"
-    one = library.from_plain(
-        yaml.safe_load(
-            "name: hammer\nbeads: 20\nduration: 1.0e-3\n"
-            f"push: {{peak: 100, duration: 1.0e-4, shape: half-sine}}\n{steel}"
-        ),
-        "x",
-    )
+    one = forced(push={"peak": 100.0, "duration": 1e-4, "shape": "half-sine"}, duration=1e-3, material=STEEL)
     impulse = 2.0 * 100.0 * 1e-4 / math.pi
     assert one.scale.velocity == pytest.approx(impulse / one.scale.mass, rel=1e-15)
     (load,) = one.problem().system.loads
     assert load.law.peak * one.scale.force == pytest.approx(100.0, rel=1e-14)
 
 
-def test_a_table_is_read_from_beside_the_scene_and_written_into_it(tmp_path):
-    (tmp_path / "force.csv").write_text("time,force\n0,0\n1.5; 2\n3,0\n\n")
-    (tmp_path / "a.yaml").write_text("name: a\nbeads: 20\nduration: 10\npush: {table: force.csv}\n")
+@pytest.mark.parametrize(
+    ("line", "table", "velocity", "written"),
+    [
+        ("push: {", "time,force\n0,0\n1.5; 2\n3,0\n\n", 3.0, {"table": [[0.0, 0.0], [1.5, 2.0], [3.0, 0.0]]}),
+        ("drive: {", "time; velocity\n0; 0\n1; 2\n", 2.0, {"quantity": "velocity", "table": [[0.0, 0.0], [1.0, 2.0]]}),
+    ],
+    ids=["push", "drive"],
+)
+def test_a_table_from_beside_the_scene_is_written_into_it_with_what_its_first_line_says(
+    line, table, velocity, written, tmp_path
+):
+    (tmp_path / "t.csv").write_text(table)
+    (tmp_path / "a.yaml").write_text(f"name: a\nbeads: 20\nduration: 10\n{line}table: t.csv}}\n")
     one = library.find(str(tmp_path / "a.yaml"))
-    assert one.plain()["push"]["table"] == [[0.0, 0.0], [1.5, 2.0], [3.0, 0.0]]
-    assert one.scale.velocity == pytest.approx(3.0, rel=1e-15)
+    assert written.items() <= one.plain()[line.partition(":")[0]].items()
+    assert one.scale.velocity == pytest.approx(velocity, rel=1e-15)
+    assert library.from_plain(yaml.safe_load(yaml.safe_dump(one.plain())), "x") == one
 
 
 @pytest.mark.slow
 def test_steps_of_short_pushes_keep_the_default_accuracy(tmp_path):
-    case = pushed("{peak: 1.0, duration: 0.1, shape: half-sine}")
+    case = pushed(duration=0.1)
     assert case.problem().system.loads[0].end < case.problem().every
     assert run(case, tmp_path / "run").check.velocity <= DEFAULT_ACCURACY
 
@@ -76,19 +82,15 @@ def driven(*drives, **changes):
 
 
 def test_v_of_a_driving_force_is_what_it_swings_a_free_bead_with():
-    one = driven(
-        {"force": 0.4, "frequency": 900.0}, chains=1, coupling=None, material=STEEL, duration=0.01, output=None
-    )
+    one = forced(drive={"force": 0.4, "frequency": 900.0}, material=STEEL, duration=0.01)
     mass = 4.0 / 3.0 * math.pi * 4.76e-3**3 * 8000.0
     assert one.scale.velocity == pytest.approx(0.4 / (mass * 2.0 * math.pi * 900.0), rel=1e-14)
 
 
 @pytest.mark.parametrize("phase", [0.0, -90.0, 30.0])
 def test_a_phase_is_in_degrees_and_motion_begins_at_the_beads_place(phase):
-    keys = {"name": "a", "beads": 4, "duration": 8.0, "drive": {"frequency": 0.25, "phase": phase}}
     moved, pushed = (
-        library.from_plain({**keys, "drive": {**keys["drive"], how: 0.5}}, "a").problem()
-        for how in ("displacement", "force")
+        forced(drive={"frequency": 0.25, "phase": phase, how: 0.5}).problem() for how in ("displacement", "force")
     )
     angle = math.pi / 2.0 + phase * math.pi / 180.0  # after a quarter of a swing, at t = 1
     (motion,), (load,) = moved.system.motions, pushed.system.loads
@@ -96,17 +98,6 @@ def test_a_phase_is_in_degrees_and_motion_begins_at_the_beads_place(phase):
     found = motion.displacement(1.0 / moved.scale.time) * moved.scale.length
     assert found == pytest.approx(0.5 * (math.sin(angle) - start))
     assert load.force(1.0 / pushed.scale.time) * pushed.scale.force == pytest.approx(0.5 * math.sin(angle))
-
-
-@pytest.mark.slow
-def test_a_bead_that_is_moved_is_where_it_should_be_to_rounding_and_the_verdict_does_not_apply(tmp_path):
-    found = run(driven(timestep=0.0125), tmp_path / "run", check=False)
-    trajectory = found.trajectory
-    (motion,) = trajectory.problem.system.motions
-    assert trajectory.displacement[:, 0, 0] == pytest.approx(motion.displacement(trajectory.time), abs=1e-12)
-    assert trajectory.velocity[:, 0, 0] == pytest.approx(motion.velocity(trajectory.time), abs=1e-12)
-    assert "equipartition does not apply" in analyse(found.directory, figures=False).survey.verdict.sentence
-    assert not trajectory.problem.system.holds(Fact.PULSE)
 
 
 @pytest.mark.slow
@@ -128,8 +119,7 @@ def test_two_tones_move_a_bead_on_a_linear_spring_as_their_exact_response():
 @pytest.mark.slow
 def test_behind_the_front_of_a_piston_beads_move_with_its_velocity_and_at_the_front_with_almost_twice_that(tmp_path):
     """A bead that elastic beads of velocity 2 V hit one after the other, seen from the piston, has 2 V at most."""
-    scene_of = {"name": "piston", "beads": 120, "drive": {"velocity": 0.02}, "duration": 250}
-    found = run(library.from_plain(scene_of, "x"), tmp_path / "run")
+    found = run(forced(beads=120, drive={"velocity": 0.02}, duration=250.0), tmp_path / "run")
     velocity = found.trajectory.velocity[:, 0]
     assert np.all(velocity[:, 0] == 1.0)
     peaks = velocity.max(axis=0)
@@ -146,26 +136,16 @@ def test_behind_the_front_of_a_piston_beads_move_with_its_velocity_and_at_the_fr
 def test_a_record_of_100_000_velocities_of_a_sine_moves_the_beads_as_the_sine_in_both_engines(tmp_path):
     omega, duration = 0.7, 20.0
     time = np.linspace(0.0, duration, MOST_POINTS)
-    lines = zip(time.tolist(), (0.3 * np.cos(omega * time)).tolist(), strict=True)
-    (tmp_path / "record.csv").write_text("time,velocity\n" + "".join(f"{t!r},{v!r}\n" for t, v in lines))
-    keys = "beads: 8\nduration: 20\ntimestep: 0.01\noutput: {every: 0.5}\n"
-    (tmp_path / "a.yaml").write_text(f"name: a\n{keys}drive: {{table: record.csv}}\n")
-    recorded = run(library.find(str(tmp_path / "a.yaml")), tmp_path / "run")
+    record = {"quantity": "velocity", "table": np.stack([time, 0.3 * np.cos(omega * time)], axis=1).tolist()}
     sine = {"displacement": 0.3 / omega, "frequency": omega / (2.0 * math.pi)}
-    harmonic = run(library.from_plain({**yaml.safe_load(keys), "name": "b", "drive": sine}, "b"), tmp_path / "sine")
+    recorded, harmonic = (
+        run(forced(drive=drive, beads=8, duration=duration, timestep=0.01, output={"every": 0.5}), tmp_path / name)
+        for name, drive in (("record", record), ("sine", sine))
+    )
     apart = np.max(np.abs(recorded.trajectory.velocity - harmonic.trajectory.velocity))
     assert apart < 1e-6  # (omega h)^2 / 8 = 2.5e-9 at the driven bead
     assert recorded.check.velocity == pytest.approx(harmonic.check.velocity, rel=1e-3)
-    assert (tmp_path / "run" / file_names.TABLES).is_file()
-
-
-def test_a_motion_from_a_file_is_written_into_the_scene_with_what_its_first_line_says(tmp_path):
-    (tmp_path / "m.csv").write_text("time; velocity\n0; 0\n1.5; 2\n")
-    (tmp_path / "a.yaml").write_text("name: a\nbeads: 20\nduration: 10\ndrive: {bead: 2, table: m.csv}\n")
-    one = library.find(str(tmp_path / "a.yaml"))
-    assert one.plain()["drive"] | {"quantity": "velocity", "table": [[0.0, 0.0], [1.5, 2.0]]} == one.plain()["drive"]
-    assert one.scale.velocity == 2.0
-    assert library.from_plain(yaml.safe_load(yaml.safe_dump(one.plain())), "x") == one
+    assert (tmp_path / "record" / file_names.TABLES).is_file()
 
 
 @pytest.mark.slow

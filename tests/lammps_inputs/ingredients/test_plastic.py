@@ -8,11 +8,9 @@ from functools import partial
 import numpy as np
 import pytest
 from executables import RELEASES
-from plain_scene import goes_on_bit_for_bit
+from plain_scene import goes_on_bit_for_bit, one_chain
 from stock_lammps import run as run_deck
-from stock_lammps import scene
 
-from analysis import motion
 from analysis.conservation import ConservationMeter
 from analysis.gauges.gauge import at_frames, gauges
 from analysis.tracking.peaks import find_peaks
@@ -36,8 +34,8 @@ STEEL = {"name": "steel", "radius": 4.76e-3, "yield_strength": 0.25e9}
 
 
 def plastic(contact=YIELD, **keys):
-    one = {"chains": 1, "coupling": None, "beads": 2, "duration": 20.0, "timestep": 0.01, "output": {"every": 0.1}}
-    return scene(**{**one, "contact": contact, **keys})
+    one = {"beads": 2, "duration": 20.0, "timestep": 0.01, "output": {"every": 0.1}}
+    return one_chain(**{**one, "contact": contact, **keys})
 
 
 def separation(case, steps=8):
@@ -305,16 +303,6 @@ def test_two_ranks_compute_the_bits_of_one(name, tmp_path):
 def test_the_release_of_2021_computes_the_same(name, lmp_of, tmp_path):
     new, old = (run_deck(diverse(name), tmp_path / release, executable=lmp_of(release)) for release in RELEASES)
     np.testing.assert_allclose(old.velocity, new.velocity, rtol=0.0, atol=1e-11)
-
-
-@pytest.mark.slow
-def test_accelerations_of_frames_are_the_slopes_of_the_velocities():
-    problem = in_lammps("walls", duration=10.0, timestep=0.001, output={"every": 0.001}).problem()
-    found = engine.run(problem, steps_per_frame=2)
-    frame, chain, bead = np.meshgrid(np.arange(1, found.frames - 1, 7), [0], np.arange(problem.beads), indexing="ij")
-    slope = (found.velocity[frame + 1, chain, bead] - found.velocity[frame - 1, chain, bead]) / 0.002
-    # a force whose slope jumps within the two frames is off by half of the jump times their distance
-    assert np.max(np.abs(motion.acceleration_and_rate(found, frame, chain, bead)[0] - slope)) < 1e-4
 
 
 @pytest.mark.slow

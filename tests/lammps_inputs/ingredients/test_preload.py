@@ -1,13 +1,8 @@
 """Precompression and gravity: sound, readings, time steps; the motion is in `test_every_ingredient`."""
 
-import json
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from ingredient_scenes import COLUMN, HELD
-from plain_scene import scene
-from wrong_runs import causes
+from plain_scene import one_chain
 
 from analysis.gauges.gauge import gauges
 from analysis.sharing.impulses import measure
@@ -16,13 +11,12 @@ from workflow.engines.reference import engine
 from workflow.measures.forces.force_meter import ForceMeter
 from workflow.prepare.settings import settle
 from workflow.runs.run import run
-from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
 
 def loaded(**changes):
-    return scene(**{"chains": 1, "coupling": None, "output": {"every": 0.25}, **changes})
+    return one_chain(**{"output": {"every": 0.25}, **changes})
 
 
 FREE = {"precompression": {"force": 0.3}}
@@ -31,16 +25,9 @@ FREE = {"precompression": {"force": 0.3}}
 @pytest.mark.slow
 def test_a_pressed_chain_of_linear_contacts_swings_by_its_modes(tmp_path):
     """No contact opens, so that all is linear: modes 2 sin(q / 2) of a free chain, up to the cut-off 2 sqrt(k / m)."""
-    beads = 40
-    case = loaded(
-        beads=beads,
-        contact={"exponent": 1.0},
-        precompression={"force": 3.0},
-        kick={"bead": 10, "velocity": 1.0},
-        duration=60.0,
-        timestep=0.005,
-        output={"every": 0.25},
-    )
+    beads, kick = 40, {"bead": 10, "velocity": 1.0}
+    keys = {"contact": {"exponent": 1.0}, "precompression": {"force": 3.0}, "duration": 60.0, "timestep": 0.005}
+    case = loaded(beads=beads, kick=kick, **keys)
     found = run(case, tmp_path / "run")
     q = np.pi * np.arange(beads) / beads
     shape = np.cos(np.outer(np.arange(beads) + 0.5, q)) * np.where(q > 0.0, np.sqrt(2.0), 1.0) / np.sqrt(beads)
@@ -60,47 +47,6 @@ def test_small_and_large_loads_run_with_a_small_error_and_their_energy(tmp_path)
         assert found.check.reference.energy < 1e-6, force
         end = found.trajectory
         assert np.abs(end.velocity.sum(axis=(1, 2)) - 1.0).max() < 1e-9, force
-
-
-def test_a_load_of_nearly_nothing_changes_nearly_nothing():
-    slight, none = (loaded(**keys, beads=20).problem() for keys in ({"precompression": {"force": 1e-9}}, {}))
-    difference = engine.run(slight).velocity - engine.run(none).velocity
-    assert 0.0 < np.abs(difference).max() < 1e-5
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("right", "wrong", "said"),
-    [
-        (FREE, {"precompression": {"force": 0.6}}, "2 times"),
-        (COLUMN, {**COLUMN, "gravity": 0.03}, "1.5 times"),
-    ],
-    ids=["force", "weights"],
-)
-def test_the_cause_is_named_where_contacts_bear_another_load(right, wrong, said):
-    one, other = (engine.run(loaded(**keys, output={"every": 0.1}).problem()) for keys in (right, wrong))
-    found = causes(replace(other, problem=one.problem), one)
-    assert found == [f"the static load of the contacts is {said} as strong as the scene says"]
-
-
-@pytest.mark.slow
-def test_forces_are_read_as_totals_and_above_rest(tmp_path):
-    case = loaded(**HELD, beads=30, output={"every": 0.1, "forces": {"wall": True, "contacts": [10], "sensors": [10]}})
-    directory = run(case, tmp_path / "run", check=False).directory
-    analyse(directory, figures=False)
-    contact = next(
-        entry
-        for entry in json.loads((directory.path / "analysis.json").read_text())["forces"]
-        if entry["kind"] == "contact"
-    )
-    assert contact["static"] == pytest.approx(0.3, rel=1e-9)
-    assert contact["largest"] == pytest.approx(contact["static"] + contact["dynamic"])
-    assert 0.2 < contact["dynamic"] < 1.0
-    table = np.genfromtxt(directory.path / "forces.csv", delimiter=",", names=True)
-    total, dynamic = table["contact_10_chain_1_total"], table["contact_10_chain_1_dynamic"]
-    np.testing.assert_allclose(total - dynamic, 0.3, rtol=1e-9)
-    assert total[0] == pytest.approx(0.3, rel=1e-12)
-    assert table["left_wall_chain_1_total"].min() == 0.0
 
 
 def test_the_impulse_of_a_gauge_is_that_above_rest():

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from analysis.conservation import ConservationMeter
 from analysis.files import recording
 from analysis.mda.universe import universe
 from analysis.shape.unit_cell import NoDispersionError, cell_of
@@ -43,14 +42,6 @@ def test_slow_waves_carry_the_resonators_along():
     case = small(precompression={"force": 0.125}, kick={"velocity": 1e-3}, timestep=None)
     cell, q = cell_of(case.system), 1e-3
     assert cell.branches(np.array([q]))[0, 0] / q == pytest.approx(math.sqrt(0.75 / 1.1) * case.scale.time, rel=1e-5)
-
-
-def test_a_resonator_weighs_on_the_contacts_of_a_column():
-    keys = {"gravity": 0.05, "walls": {"right": "flat"}, "timestep": 0.01, "output": {"every": 0.5}}
-    with_resonators = small(**keys).system
-    heavier = small([], kinds={"heavy": {"mass": 1.1, "radius": 1.0}}, pattern=["heavy"], **keys).system
-    for one, other in zip(with_resonators.along, heavier.along, strict=True):
-        np.testing.assert_allclose(one.law.rest, other.law.rest, rtol=1e-9)
 
 
 def test_the_bound_of_the_step_holds_the_frequency_of_a_bead_and_its_resonator():
@@ -100,12 +91,6 @@ def test_resonators_do_not_touch_where_the_contacts_are_a_formula_of_the_distanc
     # 0.3 V where they touch; of the step (omega dt)**2 / 24, omega = 5.7 / T, of each oscillation: 1.5e-5 V in three,
     # in which the resonators, of a tenth of the mass, oscillate with ten times the velocity of their beads
     assert run(case, tmp_path / "run").check.velocity < 1.5e-4
-
-
-def test_beads_alone_do_not_give_the_energy():
-    trajectory = engine.run(small(output={"every": 0.1, "beads": [2, 3]}).problem())
-    assert trajectory.further_lines is None
-    assert math.isnan(ConservationMeter(trajectory.problem).read([trajectory]).energy_drift)
 
 
 @pytest.mark.parametrize(("resonators", "leads"), [(LIGHT, True), (HEAVY, False), ({**HEAVY, "rows": [5, 6]}, True)])

@@ -2,27 +2,20 @@
 
 import itertools
 import json
-from dataclasses import replace
 
-import ingredient_scenes
 import numpy as np
-import plain_scene
 import pytest
+from plain_scene import one_chain, scene
 
-from analysis import motion
-from analysis.gauges.gauge import gauges
 from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.long_waves import period_of
 from analysis.sharing.survey import survey
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
-from lammps_inputs import find, library, physics
+from lammps_inputs import find, physics
 from lammps_inputs.deck_lines import types_by_contact
-from lammps_inputs.decks import deck
-from lammps_inputs.limits.rates import stability_bound
 from workflow.engines.reference import engine
 from workflow.measures.cells import CellMeter, left
-from workflow.measures.forces.force_meter import ForceMeter
 from workflow.runs.contacts import measure
 from workflow.runs.run import run
 from workflow.verdicts.analysis_files import analyse
@@ -33,8 +26,14 @@ pytestmark = pytest.mark.usefixtures("lammps_here")
 DIMER = {"kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.3428}}, "pattern": ["heavy", "light"]}
 
 
-def scene(**changes):
-    return plain_scene.scene(**{"duration": 16.0, **changes})
+HEAVY = {"kinds": {"odd": {"mass": 4.0}}, "replace": {"bead": 20, "kind": "odd"}}
+
+
+def surveyed(**keys):
+    """One chain by the reference: its problem and frames, and what is found in these."""
+    problem = one_chain(**keys).problem()
+    trajectory = engine.run(problem)
+    return trajectory, survey(trajectory.blocks, problem)
 
 
 def test_walls_are_as_hard_as_the_beads_before_them_make_them():
@@ -47,26 +46,11 @@ def test_walls_are_as_hard_as_the_beads_before_them_make_them():
     assert outright.law.strength == 3.0
 
 
-@pytest.mark.slow
-def test_momentum_is_what_the_push_gave_and_the_walls_took():
-    case = scene(**ingredient_scenes.CASES["pushed before unlike walls"])
-    problem = replace(case.problem(), steps_per_frame=1, frames=3000, timestep=0.005)
-    found = engine.run(problem, steps_per_frame=2)
-    meter = ForceMeter(problem, gauges(problem.system, wall=True))
-    readings = meter.read([found])
-    left, right = (readings.impulse[:, side].sum() for side in (0, 1))
-    momentum = motion.momentum(problem.system, found.velocity)[-1]
-    assert min(left, right) > 0.1
-    assert momentum == pytest.approx(problem.system.loads[0].law.total + left - right, abs=1e-10)
-
-
 def test_beads_in_si_press_as_hard_as_their_own_contact_says(tmp_path):
     """Two beads, one of half the radius and twice the modulus: F = A d^1.5, p = 1.5 F / (pi R* d)."""
     steel = {"radius": 4e-3, "density": 8000.0, "youngs_modulus": 2e11, "poisson_ratio": 0.3}
-    case = scene(
-        material=steel, kinds={"odd": {"radius": 2e-3, "youngs_modulus": 4e11}}, replace={"bead": 2, "kind": "odd"},
-        chains=1, beads=2, coupling=None, duration=6e-5, output={"every": 1e-7},
-    )  # fmt: skip
+    beads = {"kinds": {"odd": {"radius": 2e-3, "youngs_modulus": 4e11}}, "replace": {"bead": 2, "kind": "odd"}}
+    case = one_chain(material=steel, **beads, beads=2, duration=6e-5, output={"every": 1e-7})
     found = measure(run(case, tmp_path / "run", check=False).directory)
     modulus, radius = 1.0 / (0.91 / 2e11 + 0.91 / 4e11), 4e-3 * 2e-3 / 6e-3
     constant = 4.0 / 3.0 * modulus * radius**0.5
@@ -78,13 +62,6 @@ def test_beads_in_si_press_as_hard_as_their_own_contact_says(tmp_path):
     assert found.overlap == pytest.approx(overlap / (2.0 * radius), rel=1e-3)
 
 
-def test_densities_give_the_masses_within_rounding():
-    radius = 2.0
-    line = next(row for row in deck.render_data(scene(**DIMER).problem()).splitlines() if row.startswith("2 1 "))
-    density = float(line.split()[6])
-    assert 4.0 * np.pi / 3.0 * radius**3 * density == pytest.approx(0.3428, rel=4e-16)
-
-
 @pytest.mark.parametrize("number", [1, 19, 300])
 def test_few_types_tell_all_contacts_apart(number):
     strength = np.random.default_rng(1).random((1, number))
@@ -93,14 +70,6 @@ def test_few_types_tell_all_contacts_apart(number):
     pairs = [types.strength[min(a, b), max(a, b)] for a, b in itertools.pairwise(row)]
     assert pairs == strength[0].tolist()
     assert types.count <= np.sqrt(2.0 * number) + 2.0
-
-
-def test_light_beads_shorten_the_stable_step():
-    """The fastest motion of a dimer chain of stiffness k: 2 k (1 / M + 1 / m); the bound is no more than 2 over it."""
-    problem = scene(**DIMER).problem()
-    k = 1.5 * (2.5 * physics.energy(problem.system)) ** 0.2
-    exact = 2.0 / np.sqrt(2.0 * k * (1.0 + 1.0 / 0.3428) + 0.2 / 0.3428)
-    assert 0.7 * exact < stability_bound(problem.system) <= exact
 
 
 # --- published and computed numbers -----------------------------------------------------------------------------------
@@ -128,9 +97,8 @@ def test_a_dimer_at_an_anti_resonance_keeps_its_pulse():
 def test_least_is_left_behind_at_the_published_anti_resonances(ratio):
     def left_behind(light):
         kinds = {"heavy": {}, "light": {"mass": light}}
-        case = scene(chains=1, coupling=None, beads=90, kinds=kinds, pattern=DIMER["pattern"], duration=96.0)
-        trajectory = engine.run(case.problem())
-        return left(survey(trajectory.blocks, trajectory.problem), 1, 2).per_cell
+        _, found = surveyed(beads=90, kinds=kinds, pattern=DIMER["pattern"], duration=96.0)
+        return left(found, 1, 2).per_cell
 
     offset = np.array([-0.002, -0.001, 0.0, 0.001, 0.002])
     curvature, slope, _ = np.polyfit(offset, [left_behind(ratio + d) for d in offset], 2)
@@ -141,31 +109,27 @@ def test_least_is_left_behind_at_the_published_anti_resonances(ratio):
 @pytest.mark.slow
 @pytest.mark.parametrize(("taper", "share"), [(0.02, 0.9332), (0.08, 0.4618)])
 def test_a_taper_hands_on_less_of_the_energy(taper, share):
-    problem = scene(chains=1, coupling=None, beads=20, taper=taper, duration=25.0, output=None).problem()
-    trajectory = engine.run(problem)
+    trajectory, found = surveyed(beads=20, taper=taper, duration=25.0, output=None)
+    system = trajectory.system
     last = trajectory.velocity[:, 0, -1].max()
-    assert 0.5 * problem.system.mass[0, -1] * last**2 / physics.energy(problem.system) == pytest.approx(share, abs=5e-5)
-    found, final = survey(trajectory.blocks, problem), CellMeter().read([trajectory])
-    assert final.at_end(found, 1) == pytest.approx(share, abs=5e-5)
+    assert 0.5 * system.mass[0, -1] * last**2 / physics.energy(system) == pytest.approx(share, abs=5e-5)
+    assert CellMeter().read([trajectory]).at_end(found, 1) == pytest.approx(share, abs=5e-5)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("mass", "ratio"), [(2.0, 0.93899), (8.0, 0.51009)])
 def test_an_impurity_lets_part_of_the_pulse_through(mass, ratio):
     beads = {"kinds": {"odd": {"mass": mass}}, "replace": {"bead": 201, "kind": "odd"}}
-    waves = peaks(scene(chains=1, coupling=None, beads=400, duration=420.0, output=None, **beads).problem())
+    waves = peaks(one_chain(beads=400, duration=420.0, output=None, **beads).problem())
     assert peak(waves, 300) / peak(waves, 150) == pytest.approx(ratio, abs=1e-5)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("mass", "train"), [(2.0, [0.9481, 0.1860]), (4.0, [1.2131, 0.5505, 0.2658, 0.1324])], ids=str)
 def test_a_striker_makes_a_train_of_pulses(mass, train):
-    case = scene(
-        chains=1, coupling=None, beads=340, striker={"mass": mass, "velocity": 1.0}, kick=None, duration=520.0,
-        output=None,
-    )  # fmt: skip
-    problem = case.problem()
-    found = find_peaks([engine.run(problem)], 1e-2, direction=1)
+    striker = {"mass": mass, "velocity": 1.0}
+    case = one_chain(beads=340, striker=striker, kick=None, duration=520.0, output=None)
+    found = find_peaks([engine.run(case.problem())], 1e-2, direction=1)
     at = found.where(found.bead == (300 if mass == 2.0 else 200))
     assert sorted(at.velocity.tolist(), reverse=True)[: len(train)] == pytest.approx(train, abs=1e-4)
 
@@ -176,9 +140,7 @@ def test_a_striker_makes_a_train_of_pulses(mass, train):
 @pytest.mark.slow
 def test_energy_of_a_pulse_behind_a_heavy_bead_is_its_own_wherever_it_is_stated(tmp_path):
     """The second pulse runs six beads behind it; what cells lose is undefined, for they are not all alike."""
-    beads = {"kinds": {"odd": {"mass": 4.0}}, "replace": {"bead": 20, "kind": "odd"}}
-    case = scene(chains=1, coupling=None, beads=60, duration=80.0, **beads)
-    directory = run(case, tmp_path / "run").directory
+    directory = run(one_chain(beads=60, duration=80.0, **HEAVY), tmp_path / "run").directory
     analyse(directory, figures=False)
     report = json.loads((tmp_path / "run" / "analysis.json").read_text())
     cells, first, share = report["cells"], report["pulses"][0], report["equipartition"]["energy_share"]["measured"]
@@ -206,21 +168,15 @@ LOSSES = {
     "what", [pytest.param(what, marks=[pytest.mark.slow] * (what in ("damped", "tapered"))) for what in LOSSES]
 )
 def test_residual_energy_per_cell_is_undefined_where_it_is_not_all_that_a_pulse_loses(what):
-    case = library.from_plain(
-        {"name": "a", "beads": 40, "kick": {"velocity": 1.0}, "duration": 45.0, **LOSSES[what]}, ""
-    )
-    trajectory = engine.run(case.problem())
-    found = left(survey(trajectory.blocks, trajectory.problem), 1, period_of(trajectory.problem.system))
+    trajectory, survey = surveyed(beads=40, duration=45.0, output=None, **LOSSES[what])
+    found = left(survey, 1, period_of(trajectory.system))
     assert 0.0 < found.carried < 1.0
     assert np.isnan([found.per_cell, found.rate, found.deviation]).all()
 
 
 def test_with_two_pulses_on_the_way_none_is_said_to_be_reflected():
-    beads = {"kinds": {"odd": {"mass": 4.0}}, "replace": {"bead": 20, "kind": "odd"}}
     kicks = [{"bead": bead, "velocity": 1.0} for bead in (1, 2)]
-    problem = library.from_plain({"name": "a", "beads": 40, "kick": kicks, "duration": 45.0, **beads}, "").problem()
-    trajectory = engine.run(problem)
-    found, final = survey(trajectory.blocks, problem), CellMeter().read([trajectory])
-    split = final.split(found, 1, 20)
+    trajectory, found = surveyed(beads=40, kick=kicks, duration=45.0, output=None, **HEAVY)
+    split = CellMeter().read([trajectory]).split(found, 1, 20)
     assert split.before + split.at + split.beyond == pytest.approx(1.0, abs=1e-6)
     assert np.isnan(split.reflected)

@@ -5,28 +5,24 @@ import math
 
 import numpy as np
 import pytest
-from ingredient_scenes import STEEL
-from plain_scene import scene
+from plain_scene import one_chain
 
-from analysis.trajectory import joined
-from lammps_inputs import find, library
+from lammps_inputs import find
 from lammps_inputs.limits.rates import stability_bound
-from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
 
 def walled(walls, **changes):
-    return scene(walls=walls, **{"duration": 40.0, **changes})
+    return one_chain(walls=walls, **{"duration": 40.0, **changes})
 
 
 @pytest.mark.slow
 def test_a_weak_wall_is_reached_into_without_second_beads_meeting_it(tmp_path):
-    case = walled({"right": {"stiffness": 1e-3}}, chains=1, coupling=None, beads=4, duration=60.0)
+    case = walled({"right": {"stiffness": 1e-3}}, beads=4, duration=60.0)
     assert case.problem().layout.diameter > 4.0
     found = run(case, tmp_path / "run")
     assert found.trajectory.displacement.max() > 8.0
@@ -51,9 +47,8 @@ BLOCKS = {
 @pytest.mark.parametrize("block", BLOCKS)
 def test_a_block_of_a_material_is_that_of_hertz(block):
     walls, same, changes = BLOCKS[block]
-    base = {"name": "a", "beads": 20, "kick": {"velocity": 1.0}, "duration": 1e-4, **changes}
-    base |= {"material": {"name": "steel", "radius": 4.76e-3}}
-    found, given = (library.from_plain(base | {"walls": one}, "").system for one in (walls, same))
+    steel = {"beads": 20, "material": {"name": "steel", "radius": 4.76e-3}, "duration": 1e-4, "output": None}
+    found, given = (walled(one, **steel, **changes).system for one in (walls, same))
     strengths = [np.asarray(system.walls[0].law.strength) for system in (found, given)]
     assert strengths[0] == pytest.approx(strengths[1], rel=1e-12)
     assert strengths[0].max() > 0.0
@@ -70,14 +65,8 @@ def test_a_wall_like_a_bead_needs_no_shorter_steps_and_one_of_a_hundred_does(exp
 
 def test_a_wall_like_a_bead_is_the_middle_of_a_chain_hit_from_both_ends():
     """Two pulses that meet head on see a contact of twice the strength sqrt(2): half of the overlap for each bead."""
-    half = walled({"right": {"stiffness": 2.0**1.5}}, chains=1, coupling=None).problem()
-    whole = walled(
-        None,
-        chains=1,
-        coupling=None,
-        beads=24,
-        kick=[{"velocity": 1.0}, {"bead": 24, "velocity": -1.0}],
-    ).problem()
+    half = walled({"right": {"stiffness": 2.0**1.5}}).problem()
+    whole = walled(None, beads=24, kick=[{"velocity": 1.0}, {"bead": 24, "velocity": -1.0}]).problem()
     one, both = (engine.run(problem, steps_per_frame=200).velocity[:, 0, :12] for problem in (half, whole))
     np.testing.assert_allclose(one, both, atol=1e-9)
 
@@ -105,28 +94,12 @@ def test_the_installed_scene_shows_the_known_numbers_through_lammps(tmp_path, dr
 @pytest.mark.parametrize(("kind", "ratio"), [("flat", 1.94390), ({"stiffness": 100.0}, 1.86245)], ids=str)
 def test_harder_walls_feel_the_known_forces_through_lammps(tmp_path, kind, ratio):
     output = {"every": 0.05, "forces": {"wall": True, "contacts": [30]}}
-    case = walled({"right": kind}, chains=1, coupling=None, beads=60, duration=80.0, timestep=0.0025, output=output)
+    case = walled({"right": kind}, beads=60, duration=80.0, timestep=0.0025, output=output)
     found = run(case, tmp_path / "run")
     readings = analyse(found.directory, figures=False).measurements["forces"].readings
     wall, contact = readings.largest[0]
     # an error of the last bead's velocity, for the time in which it is stopped, over its way: as large a part of both
     assert wall / contact == pytest.approx(ratio, abs=4.0 * found.check.velocity + 2e-5)
-
-
-@pytest.mark.slow
-def test_forces_are_written_in_newtons(tmp_path, capsys):
-    output = {"every": 1e-6, "forces": {"wall": True, "contacts": [3]}}
-    case = walled({"right": "bead"}, material=STEEL, coupling=None, duration=3e-4, output=output)
-    run(case, tmp_path / "run", check=False)
-    assert main(["analyze", str(tmp_path / "run"), "--no-figures"]) == 0
-    header, *rows = (tmp_path / "run" / "forces.csv").read_text().splitlines()
-    assert header.split(",")[:3] == ["time (s)", "right wall chain 1 (N)", "right wall chain 2 (N)"]
-    wall = np.array([float(row.split(",")[1]) for row in rows])
-    bead = joined(RunDirectory(tmp_path / "run").blocks()).displacement[:, 0, -1]
-    constant = STEEL["youngs_modulus"] * math.sqrt(2.0 * STEEL["radius"]) / (3.0 * (1.0 - 0.3**2))
-    metres = np.maximum(bead, 0.0) * case.scale.length
-    np.testing.assert_allclose(wall, constant * metres**1.5, rtol=1e-12)
-    assert "forces.csv" in capsys.readouterr().out
 
 
 ABSORBING = {"matched": ("matched", 1.0), "soft": ({"damping": 0.5}, 0.25), "hard": ({"damping": 6.0}, 3.0)}
@@ -142,18 +115,9 @@ def test_a_dashpot_at_the_end_of_a_bonded_bar_reflects_what_is_exact_for_waves_o
     moments = np.arange(41.0)
     table = np.stack([moments, 1e-3 * np.exp(-0.5 * ((moments - 20.0) / 3.0) ** 2)], axis=1)
     table[[0, -1], 1] = 0.0
-    case = library.from_plain(
-        {
-            "name": "bar",
-            "beads": beads,
-            "contact": {"force": "k*s", "k": 4, "tension": "allowed"},
-            "walls": {side: kind},
-            "push": {"bead": 1 if side == "right" else beads, "table": table.tolist()},
-            "duration": 175.0,
-            "output": {"every": 0.125},
-        },
-        "",
-    )
+    push = {"bead": 1 if side == "right" else beads, "table": table.tolist()}
+    bonded = {"contact": {"force": "k*s", "k": 4, "tension": "allowed"}, "output": {"every": 0.125}}
+    case = walled({side: kind}, beads=beads, kick=None, push=push, duration=175.0, **bonded)
     motion = engine.run(case.problem(), steps_per_frame=8)
     time = motion.time * case.scale.time
     velocity = motion.velocity[0:, 0, middle - 1 if side == "right" else beads - middle]
@@ -180,7 +144,7 @@ def test_a_dashpot_at_the_end_of_a_bonded_bar_reflects_what_is_exact_for_waves_o
 )
 def test_matched_is_the_root_of_stiffness_at_rest_times_mass_of_the_last_bead(changes, stiffness):
     heavy = {"kinds": {"heavy": {"mass": 3.0, "radius": 1.0}}, "replace": {"bead": 20, "kind": "heavy"}}
-    case = walled({"right": "matched"}, chains=1, beads=20, coupling=None, **changes, **heavy)
+    case = walled({"right": "matched"}, beads=20, **changes, **heavy)
     [damper] = case.problem().system.dampers
     unit = case.scale.force / case.scale.velocity
     assert damper.law.coefficient[0, -1] * unit == pytest.approx(math.sqrt(3.0 * stiffness), rel=1e-12)
@@ -190,11 +154,8 @@ def test_matched_is_the_root_of_stiffness_at_rest_times_mass_of_the_last_bead(ch
 @pytest.mark.slow
 def test_what_a_matched_end_takes_is_all_the_energy_of_a_long_push(tmp_path):
     """LAMMPS: of a push of 20 T in a loaded chain a share below 1e-2 is left, and the balance is closed."""
-    push = {"peak": 0.01, "duration": 20.0, "shape": "half-sine"}
-    case = walled(
-        {"right": "matched"}, chains=1, beads=50, coupling=None, kick=None, push=push, precompression={"force": 1.0},
-        duration=120.0,
-    )  # fmt: skip
+    push, pressed = {"peak": 0.01, "duration": 20.0, "shape": "half-sine"}, {"force": 1.0}
+    case = walled({"right": "matched"}, beads=50, kick=None, push=push, precompression=pressed, duration=120.0)
     found = run(case, tmp_path / "run")
     account = analyse(found.directory, figures=False).measurements["budget"].values
     taken = account.losses["dissipated in right end"][-1]

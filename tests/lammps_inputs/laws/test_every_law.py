@@ -27,7 +27,7 @@ from lammps_inputs.laws.dashpot import (
 )
 from lammps_inputs.laws.plastic import Thornton, WaltonBraun
 from lammps_inputs.laws.spring import Duffing, Instant, Linear, Varying
-from lammps_inputs.layout import across_of, layout_of
+from lammps_inputs.layout import layout_of
 from lammps_inputs.links import Links
 
 LOADED = np.array([0.0, 0.0, 0.4])
@@ -284,23 +284,6 @@ def test_beads_in_lammps_are_too_large_for_any_share_of_the_energy_to_let_second
     two = laws.max_strain(Hertz(), share * energy) + laws.max_strain(Hertz(), (1 - share) * energy)
     assert max(two, 2.0 * laws.max_strain(Hertz(), energy), 4.0) <= diameter
     assert math.frexp(diameter)[0] == 0.5  # a power of two
-
-
-@given(ENERGIES)
-def test_lammps_is_given_the_constant_that_makes_its_force_ours(energy):
-    """LAMMPS: force = Kn sqrt(overlap) sqrt(R_eff) overlap with R_eff = diameter / 4."""
-    layout = layout_of(system(energy))
-    _, style, coefficients = Hertz().along("contacts", layout).interactions
-    kn = float(style.split()[2])
-    assert (style.split()[1], style.split()[3:], coefficients) == ("gran/hertz/history", ["0"] * 5, "pair_coeff * *")
-    assert kn * math.sqrt(layout.diameter / 4) == pytest.approx(1.0, rel=3e-16)
-
-
-def test_a_bond_has_half_the_stiffness_with_17_digits_and_no_rest_length():
-    two_chains = system(0.5, 0.1, 2)
-    link = across_of(two_chains.couplings[0], two_chains)
-    bonds = Linear(0.1).across(link, layout_of(two_chains))
-    assert (bonds.style, bonds.coefficients) == ("harmonic", ("$(v_kappa/2:%.17g) 0",))
 
 
 @given(st.floats(-10.0, 10.0), st.floats(0.0, 5.0), st.sampled_from([1.0, -1.0]), st.sampled_from([1.0, 1.5, 3.0]))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from plain_scene import scene
+from plain_scene import one_chain
 
 from lammps_inputs import file_names
 from lammps_inputs.laws import in_time
@@ -33,7 +33,7 @@ def table(times):
 )
 def test_lammps_moves_beads_as_its_scheme_does_with_the_impulse_of_the_table(name, tmp_path):
     points = np.stack([TIMES[name], table(TIMES[name]).value], axis=1).tolist()
-    case = scene(chains=1, coupling=None, kick=None, push={"table": points}, beads=4, timestep=0.01, duration=4.0)
+    case = one_chain(kick=None, push={"table": points}, beads=4, timestep=0.01, duration=4.0)
     problem = case.problem()
     done = run(case, tmp_path / "run", check=False)
     exact = engine.run(problem, scheme=VERLET, steps_per_frame=problem.steps_per_frame)
