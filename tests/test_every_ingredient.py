@@ -197,13 +197,6 @@ def test_suzuki_s_composition_of_steps_agrees_with_the_exact_motion(name, tmp_pa
     assert error(run(scene(name, scheme="suzuki4"), tmp_path / "run", check=False), name) < 1e-4
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["foundation", "edges", "walls"])
-def test_a_good_run_is_valid(name, tmp_path):
-    case = scene(name, timestep=0.005, output={"every": 0.1})
-    assert validate(run(case, tmp_path / "run", check=False).directory).passed
-
-
 @pytest.mark.parametrize("name", marked(MIRRORED))
 def test_the_mirror_image_of_a_problem_moves_as_its_mirror_image(name):
     problem = scene(name).problem()

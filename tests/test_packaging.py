@@ -77,17 +77,3 @@ def test_an_editable_install_has_the_sources_on_the_path_with_the_module_beside_
     wheel = zipfile.ZipFile(tmp_path / run(sys.executable, "-c", code, cwd=source, env=environment).split()[-1])
     (paths,) = (name for name in wheel.namelist() if name.endswith(".pth"))
     assert set(wheel.read(paths).decode().split()) == {str(source), str(source / "workflow/python")}
-
-
-def test_type_checkers_see_the_types_of_the_installed_module(site, tmp_path):
-    text = (
-        "import granchain\nfrom workflow.plugins.fit.study import fit\n\nreveal_type(granchain.run)\nreveal_type(fit)\n"
-    )
-    (tmp_path / "script.py").write_text(text)
-    environment = {"MYPYPATH": str(site), "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
-    # types of other packages are no claim here, and reading them takes longer than all else
-    options = ("--no-site-packages", "--ignore-missing-imports", "--follow-imports=silent")
-    words = (sys.executable, "-P", "-m", "mypy", *options, "script.py")
-    types = run(*words, cwd=tmp_path, env=environment)
-    assert "-> workflow.interface.runs.Run" in types
-    assert "-> workflow.plugins.fit.result.Fit" in types

@@ -2,7 +2,6 @@
 
 import os
 import sys
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -43,13 +42,3 @@ def test_every_link_of_the_manual_leads_to_a_page_of_the_site(build):
             if ":" not in match[1] and target.endswith(".md") and target not in texts:
                 missing.append(f"{path}: {match[1]}{match[2]}")
     assert missing == []
-
-
-def test_every_section_is_in_the_navigation_below_its_part(build):
-    settings = tomllib.loads(build.navigation())["project"]["nav"]
-    text = str(settings)
-    for path, page in build.cut_pages().items():
-        folder = path.rpartition("/")[0]
-        for section in page.sections:
-            assert f"'{section.title}': '{folder}/{section.name}'" in text
-            assert f"'{section.part}': [" in text
