@@ -42,10 +42,6 @@ def test_every_command_explains_itself_and_ends_with_examples_that_parse(command
         cli.parser([name]).parse_args(words[1:])
 
 
-def test_quiet_does_not_silence_what_a_command_is_for(capsys):
-    assert said(capsys, "show", "two-chains", "-q") == said(capsys, "show", "two-chains")
-
-
 @pytest.mark.slow
 def test_json_is_one_object_and_nothing_else(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

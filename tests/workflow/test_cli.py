@@ -2,7 +2,6 @@
 
 import contextlib
 import os
-import re
 import shutil
 import subprocess
 import sys
@@ -17,7 +16,7 @@ from sweeps import GRANCHAIN
 
 from lammps_inputs import installed_scenes, library, plugins, strict_yaml
 from workflow import cli
-from workflow.cli import COMMANDS, main
+from workflow.cli import main
 from workflow.prepare.settings import settle
 from workflow.runs.run import run
 
@@ -36,17 +35,6 @@ def finished(tmp_path_factory):
 def a_run(finished, tmp_path):
     """A copy of it that may be spoiled."""
     return shutil.copytree(finished, tmp_path / "run")
-
-
-def test_help_lists_every_command_with_its_job(capsys):
-    with pytest.raises(SystemExit):
-        main(["--help"])
-    listed = capsys.readouterr().out
-    jobs = cli.by_job()
-    names = [name for of_job in jobs.values() for name in of_job]
-    assert sorted(names) == sorted(COMMANDS)
-    assert re.findall(r"^  ([a-z]+) +[A-Z]", listed, re.M) == names
-    assert re.findall(r"^([A-Z][a-z ]+)$", listed, re.M) == [job for job, of_job in jobs.items() if of_job]
 
 
 def test_a_command_of_a_plug_in_stands_under_the_job_that_its_source_names_and_is_not_imported(tmp_path, monkeypatch):
@@ -87,13 +75,6 @@ def test_a_command_whose_output_is_lost_writes_its_files_and_says_so_in_one_line
     with no_output():
         assert main(["show", "two-chains"]) == 1  # which only prints
     assert capsys.readouterr().err == f"{said}\n"
-
-
-def test_scenes_lists_a_line_for_each_installed_scene(capsys):
-    assert main(["scenes"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == list(installed_scenes.installed())
-    assert all(len(line.split()) > 3 for line in lines)
 
 
 TEXTS = {
