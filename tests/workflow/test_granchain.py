@@ -10,7 +10,6 @@ from notebook import NOTEBOOK, executed
 
 import granchain
 from lammps_inputs import InputError, Scene, html, library
-from workflow.cli import main
 
 SCENE = {"name": "tiny", "beads": 8, "kick": {"velocity": 1.0}, "duration": 4.0}
 STEEL = SCENE | {
@@ -52,13 +51,6 @@ def test_a_run_is_a_universe_with_values_in_si(ran):
     assert np.array_equal(ran.si.velocity, frames.velocity * scale.velocity)
     assert np.array_equal(ran.si.displacement, frames.displacement * scale.length)
     assert ran.si.time[-1] == pytest.approx(1e-4, rel=0.01)
-
-
-def test_a_deck_is_that_of_the_command(tmp_path):
-    path = granchain.deck(SCENE, tmp_path / "deck")
-    (tmp_path / "scene.yaml").write_text(json.dumps(SCENE))
-    assert main(["deck", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "by-command"), "-q"]) == 0
-    assert path.read_text() == (tmp_path / "by-command" / "in.chains").read_text()
 
 
 def test_waves_are_the_table_of_the_file_in_the_units_of_the_scene(ran):

@@ -133,15 +133,6 @@ def test_a_ring_drifts_several_times_round_its_box(tmp_path):
 
 
 @pytest.mark.slow
-def test_the_energy_of_verlet_s_steps_errs_by_the_square_of_the_step(tmp_path):
-    drifts = []
-    for step in (0.05, 0.025):
-        found = run(ring(contact={"exponent": 2.0}, timestep=step), tmp_path / str(step), check=False).trajectory
-        drifts.append(ConservationMeter(found.problem).read([found]).energy_drift)
-    assert np.log2(drifts[0] / drifts[1]) == pytest.approx(2.0, abs=0.1)
-
-
-@pytest.mark.slow
 def test_the_force_in_the_closing_contact_is_that_of_any_other(tmp_path):
     """A pulse from bead 3 passes contact 12 as one from bead 1 passes contact 10."""
     forces = []

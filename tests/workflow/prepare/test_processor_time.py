@@ -5,7 +5,6 @@ import pytest
 from lammps_inputs import library
 from workflow import processor_time, screen
 from workflow.engines.reference import engine
-from workflow.engines.reference.schemes import BLANES_MOAN, VERLET
 from workflow.prepare import pilot
 from workflow.prepare.settings import settle
 
@@ -57,17 +56,6 @@ def test_a_duration_and_a_window_are_sought_within_the_same_limit_or_given_by_a_
     assert settled.until_bead is None
     assert settled.duration >= sought.duration
     assert settled.window is None or settled.window >= sought.window
-
-
-@pytest.mark.parametrize("scheme", [BLANES_MOAN, VERLET], ids=lambda scheme: scheme.name)
-def test_frames_do_not_depend_on_how_many_steps_the_compiled_function_takes_at_a_time(scheme, monkeypatch):
-    plain = {"name": "a", "chains": 2, "beads": 12, "coupling": {"stiffness": 0.1}, "kick": {"velocity": 1}}
-    problem = library.from_plain({**plain, "duration": 6.0}, "a").problem()
-    together = engine.run(problem, scheme=scheme, steps_per_frame=7)
-    monkeypatch.setattr(engine, "_FORCES_A_CALL", 3.0 * scheme.forces_per_step * 12 * 2)  # 3 steps
-    apart = engine.run(problem, scheme=scheme, steps_per_frame=7)
-    assert (apart.displacement == together.displacement).all()
-    assert (apart.velocity == together.velocity).all()
 
 
 def test_a_limit_ends_a_run_within_a_frame_of_any_number_of_steps():

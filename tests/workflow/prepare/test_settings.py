@@ -13,7 +13,6 @@ from small_problems import problem as small_problem
 from analysis.compare.common_times import on_common_rows
 from lammps_inputs import InputError, Kick, Output, Scene, find
 from lammps_inputs.ingredients.coupling import Coupling
-from lammps_inputs.ingredients.walls import Walls
 from lammps_inputs.limits.rates import stability_bound, timestep_for
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from lammps_inputs.scheme import cycle
@@ -206,13 +205,6 @@ def test_without_a_cadence_frames_are_as_many_whole_steps_apart_as_fit_into_a_te
     assert resolved.resolved() == resolved
 
 
-def test_a_run_directory_holds_the_time_step_as_its_scene_and_the_accuracy_in_its_record(tmp_path):
-    directory = run(asking(SMALL["one chain"], 1e-3), tmp_path / "run", check=False).directory
-    assert directory.scene.accuracy is None
-    assert directory.scene.timestep == pytest.approx(directory.job.settings.timestep, rel=1e-12)
-    assert directory.job.settings.accuracy == 1e-3
-
-
 def test_the_sentence_says_how_the_step_was_chosen(golden):
     found = ChosenStep(1e-4, 0.0125, 8, 0.1, 2e-5, 2e-5, 1.0, limited=False, seconds=0.5)
     kinds = (
@@ -226,18 +218,6 @@ def test_the_sentence_says_how_the_step_was_chosen(golden):
     units = (make_scale(1.0, 1.0, 1.0, si=False), make_scale(2.0, 2.0, 1e5, si=True))
     said = [replace(found, **kind).sentence(small_problem(scale=scale)) for kind in kinds for scale in units]
     golden("steps", "\n".join(said))
-
-
-@pytest.mark.slow
-def test_a_step_that_is_short_because_contacts_amplify_errors_is_printed_with_that_reason():
-    kicks = (Kick(velocity=1.0), Kick(bead=3, velocity=0.37))
-    case = scene(kappa=0.0, chains=1, beads=3, gap=0.3, kick=kicks, walls=Walls(left="rigid", right="rigid"))
-    printed = {}
-    for duration in (20.0, 100.0):
-        settled, settings = settle(case.model_copy(update={"duration": duration}))
-        printed[duration] = settings.sentence(settled.problem())
-    assert "amplify" not in printed[20.0]
-    assert "times as short as where errors grow in proportion to time" in printed[100.0]
 
 
 @pytest.mark.slow
