@@ -17,8 +17,6 @@ CHAIN = {"name": "a", "beads": 40, "kick": {"velocity": 1}}
 SCENES = {
     "Hertz": CHAINS,
     "exponent": {**CHAINS, "contact": {"exponent": 2}},
-    "many beads": {**CHAINS, "beads": 2000, "contact": {"exponent": 2}},
-    "formula": {**CHAIN, "contact": {"force": "A*(exp(s) - 1)", "A": 1}},
     "long formula": {
         **CHAIN,
         "contact": {"force": "A*s^1.5*(1 + b*s + c*s^2) + d*s*exp(s)", "A": 1, "b": 1, "c": 1, "d": 1},

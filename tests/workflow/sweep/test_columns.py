@@ -17,15 +17,6 @@ def test_bands_are_drawn_where_all_cases_have_them(other, same):
     assert table.passed("gap") is None
 
 
-@pytest.mark.parametrize(
-    ("field", "value"),
-    [("kick[1].velocity", 1.0), ("kick[2].velocity", 0.5), ("kick[3].velocity", None), ("coupling.stiffness", 0.1)],
-)
-def test_a_field_is_looked_up_where_its_path_leads(field, value):
-    scene = {"kick": [{"velocity": 1.0}, {"velocity": 0.5}], "coupling": {"stiffness": 0.1}}
-    assert fields.look_up(scene, fields.parse(field)) == value
-
-
 SI = {"material": {"radius": 1e-3}}
 
 

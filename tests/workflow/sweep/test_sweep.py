@@ -14,7 +14,6 @@ from sweeps import GRANCHAIN, SMALL, sweep, sweep_file
 
 from lammps_inputs import library
 from workflow.cli import main
-from workflow.engines.registry import engine_names
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep.cases import CaseRequest, task
@@ -37,15 +36,6 @@ def test_a_swept_case_is_bit_for_bit_the_scene_run_alone(tmp_path):
     alone = run(library.from_plain({**SMALL, "coupling": {"stiffness": 0.2}}, ""), tmp_path / "alone", check=False)
     np.testing.assert_array_equal(swept.velocity, alone.trajectory.velocity)
     np.testing.assert_array_equal(swept.displacement, alone.trajectory.displacement)
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("here")
-@pytest.mark.parametrize("engine", [name for name in engine_names() if name != "lammps"])
-def test_other_engines_sweep_too(engine, tmp_path):
-    path = sweep_file(tmp_path, {**SMALL, "gap": 0.1}, engine=engine, beads=[12])
-    assert sweep(path, tmp_path / "s") == 0
-    assert RunDirectory(tmp_path / "s" / "beads=12").job.engine == engine
 
 
 def stamps(directory):

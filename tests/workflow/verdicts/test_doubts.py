@@ -10,7 +10,6 @@ from analysis.compare.identify import identify
 from lammps_inputs import library
 from lammps_inputs.laws.in_time import half_sine
 from workflow.engines.reference import engine
-from workflow.verdicts import validate
 
 PLAIN = {"name": "test", "chains": 2, "beads": 8, "kick": {"velocity": 1.0}, "duration": 12.0, "output": {"every": 0.1}}
 
@@ -123,10 +122,3 @@ def test_a_push_that_is_missing_or_lasts_longer_is_named(change, factor, said):
     (cause,) = causes(*pair(problem(PUSH), (change, factor)))
     assert "push on bead 3 of chain 2" in cause
     assert cause.endswith(said)
-
-
-def test_where_energy_is_exchanged_it_may_miss_what_velocities_may():
-    for keys, energy in (({}, 1e-4), ({"damping": {"beads": 0.1}}, 5e-4), (PUSH, 5e-4)):
-        problem = library.from_plain({**PLAIN, **keys}, "test").problem()
-        assert validate.limits_of(problem, None) == {**validate.TOLERANCES, "energy": energy}
-        assert validate.limits_of(problem, {"energy": 1.0})["energy"] == 1.0

@@ -83,8 +83,7 @@ def test_motion_in_round_numbers_is_not_taken_for_rounding(tmp_path):
 SLOW = pytest.mark.slow
 DECKS = (
     pytest.param(wrong_runs.CUBIC, "the exponent of the coupling is larger by", id="cubic coupling"),
-    pytest.param(wrong_runs.ONE_PERCENT_MORE, "the coupling is 1.01 (± ", id="kappa 1% more", marks=SLOW),
-    pytest.param(wrong_runs.without_spring(8), "between chains 1 and 2 in row 8 is missing", id="a spring", marks=SLOW),
+    pytest.param(wrong_runs.without_spring(8), "between chains 1 and 2 in row 8 is missing", id="a spring"),
 )
 DUMPS = (
     pytest.param(wrong_runs.in_single_precision, "positions have only single precision", id="float32", marks=SLOW),
