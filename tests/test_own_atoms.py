@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.compare.difference import errors_of
 from analysis.conservation import AccountMeter
 from lammps_inputs import library, physics
 from lammps_inputs.decks import deck
@@ -56,14 +55,6 @@ def test_an_atom_at_one_bead_of_one_chain_weighs_on_it_and_stands_at_its_place()
 
 
 # --- where they are named ---------------------------------------------------------------------------------------------
-
-
-def test_a_deviation_is_of_the_atom_by_its_noun_its_number_and_its_chain(mixed):
-    for line, words in enumerate(("resonator 1 at bead 3 of chain 1", "", "pendulum 1 at bead 3 of chain 1")):
-        further = np.array(mixed.further_lines)
-        further[10, 1, line, 2] += 0.5
-        where = errors_of([replace(mixed, further_lines=further)], [mixed])["velocity"].where
-        assert where.words == (words or "resonator 1 at bead 3 of chain 2")
 
 
 def test_the_budget_has_the_energy_of_each_noun_and_closes(mixed):

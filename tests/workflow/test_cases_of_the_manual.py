@@ -25,15 +25,6 @@ def run(tmp_path):
     return lambda scene: granchain.run({"name": "case", **scene}, tmp_path / "run", engine="reference")
 
 
-def test_ten_balls_by_mass_and_contact_constant_leave_with_the_stated_velocities(run):
-    text = PAGE.read_text(encoding="utf-8").partition("<!-- keys: mass -->")[2]
-    keys = strict_yaml.parse(text.partition("```yaml\n")[2].partition("```")[0], "mass")
-    velocity = run({**keys, "beads": 10, "kick": {"velocity": 1}, "duration": 6e-3}).trajectory.velocity
-    assert velocity[-1, 0, [9, 0]] == pytest.approx([0.98587, -0.07109], abs=6e-6)
-    assert "0.98587 V" in text
-    assert "0.07109 V" in text
-
-
 def test_cylinders_with_flat_ends_have_the_stated_pulse(run):
     keys, text = keys_of("Flat ends")
     waves = run({**keys, "beads": 60, "kick": {"velocity": 0.3}, "until_bead": 55}).analysis.waves

@@ -15,7 +15,6 @@ from analysis.trajectory import joined
 from lammps_inputs import Kick, laws
 from lammps_inputs.limits import rates
 from lammps_inputs.scene import DEFAULT_ACCURACY
-from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
 from workflow.prepare.pilot import stride
@@ -149,20 +148,6 @@ def test_wrong_damping_is_named_as_the_cause_and_only_where_it_is(felt, words):
     assert found.startswith(words)
     assert causes(right, right) == []
     assert not any("damping" in cause for cause in causes(right, wrong))
-
-
-@pytest.mark.slow
-def test_a_gauge_reads_the_whole_force_of_a_damped_contact_under_a_static_load(tmp_path):
-    output = {"forces": {"contacts": [6], "sensors": [6]}}
-    pressed = run(damped(precompression={"force": 0.3}, output=output), tmp_path / "run")
-    directory = pressed.directory
-    analyse(directory, figures=False)
-    contact, sensor = json.loads((directory.path / "analysis.json").read_text())["forces"]
-    ahead = float(joined(directory.blocks()).velocity[-1, 0, 6:].sum())
-    assert contact["impulse"] == pytest.approx(ahead, abs=pressed.check.velocity)
-    assert contact["static"] == pytest.approx(0.3, rel=1e-9)
-    assert sensor["dynamic"] < contact["dynamic"]
-    assert main(["validate", str(directory.path), "--against", str(directory.path / "forces.csv")]) == 0
 
 
 @pytest.mark.slow

@@ -145,13 +145,6 @@ def test_impulses_of_every_law_are_the_momentum_beyond_them_within_their_uncerta
             assert abs(readings.impulse[:, places[name]].sum() - impulse) <= bound
 
 
-@pytest.mark.slow
-def test_a_sensor_reads_the_mean_of_its_beads_contacts(found):
-    readings = readings_of(found, contacts=(9, 10), sensors=(10,))
-    np.testing.assert_allclose(readings.force[..., 3], readings.force[..., 1:3].mean(axis=-1), atol=1e-16)
-    assert readings.impulse[0, 3] == pytest.approx(readings.impulse[0, 1:3].mean(), rel=1e-14)
-
-
 def test_the_bulk_force_is_the_solitary_waves():
     one = walled(beads=60, duration=50.0, walls={"right": "bead"})
     readings = readings_of(engine.run(one, steps_per_frame=100), contacts=(30,))

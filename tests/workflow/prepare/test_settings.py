@@ -1,7 +1,6 @@
 """A scene without a time step gets one that keeps its accuracy, or the default; a step that is unstable is refused."""
 
 import math
-import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -179,17 +178,6 @@ def test_a_check_with_the_reference_of_the_pilot_run_finds_what_a_new_one_does(t
     for name in ("velocity", "arrival", "amplitude"):
         assert getattr(done.check, name) == pytest.approx(getattr(again, name), rel=1e-6)
     assert done.check.reference.velocity == pytest.approx(again.reference.velocity, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("step", "every", "nearest"), [(5.0, 0.1, 0.1), (0.07, 0.1, 0.05), (0.0083, 2.0, 2.0 / 241), (0.003, 0.1, 0.1 / 34)]
-)
-def test_for_a_step_that_does_not_divide_the_cadence_the_next_shorter_one_that_does_is_named(step, every, nearest):
-    with pytest.raises(InputError, match="does not divide") as refused:
-        scene(timestep=step, output=Output(every=every))
-    suggested = float(re.search(r"or try ([\d.]+)", str(refused.value))[1])
-    assert suggested == pytest.approx(nearest, rel=1e-11)
-    assert scene(timestep=suggested, output=Output(every=every)).problem().timestep == pytest.approx(nearest, rel=1e-9)
 
 
 @pytest.mark.parametrize("scheme", ["verlet", "suzuki4"])

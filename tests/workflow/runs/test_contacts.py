@@ -1,16 +1,13 @@
 """What is said of the contacts of SI runs."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from stock_lammps import scene
 
 from lammps_inputs import Kick, Material, Output, strict_yaml
 from lammps_inputs.limits import solids
-from lammps_inputs.units import hertz_constant
 from workflow.cli import main
-from workflow.runs.contacts import at_most, measure, of_overlap
+from workflow.runs.contacts import at_most, measure
 from workflow.runs.run import run
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -42,18 +39,6 @@ def test_two_steel_balls_press_as_hard_as_hertz_says(tmp_path):
     assert found.force == pytest.approx(6.898e9 * overlap**1.5, rel=0.0045)
     assert found.pressure == pytest.approx(1.5 * found.force / (3.141592653589793 * 4.76e-3 / 2 * overlap), rel=0.003)
     assert found.yield_strength == pytest.approx(found.pressure / 1.6, rel=1e-14)
-
-
-def test_smaller_balls_press_as_hard_as_hertz_says_of_them():
-    """Overlaps are told over the own radius, half of the material's."""
-    small = {"kinds": {"small": {"radius": 0.5 * STEEL.radius}}, "pattern": ["small"]}
-    balls = steel(beads=3, **small)
-    seen = SimpleNamespace(value=None, each=np.array([[0.2, 0.3]]), walls=[])
-    found = of_overlap(balls, seen)
-    overlap, radius = 0.3 * balls.scale.length, 0.5 * STEEL.radius
-    assert found.overlap == pytest.approx(overlap / radius, rel=1e-12)
-    assert found.force == pytest.approx(hertz_constant(radius, 193e9, 0.3) * overlap**1.5, rel=1e-12)
-    assert found.pressure == pytest.approx(solids.peak_pressure(overlap, radius, 193e9, 0.3), rel=1e-12)
 
 
 @pytest.mark.parametrize(

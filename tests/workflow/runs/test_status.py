@@ -41,14 +41,6 @@ def test_a_frame_that_is_cut_does_not_count(tmp_path):
     assert status(aged(directory)).step == 290
 
 
-def test_a_directory_of_runs_stands_for_them_all(tmp_path):
-    (tmp_path / file_names.CASES).write_text("c\na\n")
-    for name in "abc":
-        with_deck(tmp_path / name)
-    (tmp_path / "other").mkdir()
-    assert [one.directory.name for one in statuses([tmp_path], None)] == ["c", "a", "b"]
-
-
 @pytest.mark.parametrize("record", [{"outcome": "running"}, {"outcome": "interrupted", "steps_done": 200}])
 def test_no_run_resumes_at_a_later_step_than_the_one_that_it_has_reached(record, tmp_path):
     """A restart may fall between two frames."""

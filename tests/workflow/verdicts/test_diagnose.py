@@ -20,11 +20,6 @@ OTHER = {
         {"kinds": {"big": {}, "small": {"mass": 0.55}}},
         ["beads of mass 0.5 are 1.1 times as heavy as the scene says"],
     ),
-    "a static load": (
-        {"precompression": {"force": 1.0}},
-        {"precompression": {"force": 1.05}},
-        ["the static load of the contacts is 1.05 times as strong as the scene says"],
-    ),
     "a wall under a load": (
         {"precompression": {"force": 0.3}, "walls": {"left": "rigid", "right": {"stiffness": 2.0}}},
         {"walls": {"left": "rigid", "right": {"stiffness": 2.1}}},

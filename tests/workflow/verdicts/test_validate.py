@@ -86,8 +86,6 @@ DECKS = (
     pytest.param(wrong_runs.without_spring(8), "between chains 1 and 2 in row 8 is missing", id="a spring"),
 )
 DUMPS = (
-    pytest.param(wrong_runs.in_single_precision, "positions have only single precision", id="float32", marks=SLOW),
-    pytest.param(wrong_runs.printed_with_g, "velocities have only 6 digits", id="a %g dump", marks=SLOW),
     pytest.param(wrong_runs.at_half_steps, "before the positions (half-step velocities?)", id="half steps"),
     pytest.param(
         lambda run: (run.displacement, np.where(run.time[:, None, None] > 30.05, np.nan, run.velocity)),
