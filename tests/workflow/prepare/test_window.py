@@ -17,7 +17,6 @@ from lammps_inputs import Kick, file_names, load
 from lammps_inputs.decks import scene_files
 from workflow.prepare.window_width import with_window
 from workflow.runs.run import run
-from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -147,11 +146,3 @@ def test_a_front_that_outruns_the_window_stops_the_run(tmp_path):
 def test_auto_is_wider_where_slower_pulses_trail(kappa, rows):
     case = scene(chains=2, beads=1500, kappa=kappa, duration=2100.0, window="auto")
     assert with_window(case).window == rows
-
-
-@pytest.mark.slow
-def test_pulses_left_behind_that_could_catch_up_are_told(tmp_path):
-    # with so weak a coupling the leading wave of chain 2 is a hundred times lower than what chain 1 leaves
-    case = long_scene(chains=2, kappa=1e-4, window=ROWS, beads=150, duration=220.0)
-    analysis = analyse(run(case, tmp_path / "run", check=False).directory, figures=False)
-    assert "might catch up" in "".join(analysis.measurements["window"].lines())

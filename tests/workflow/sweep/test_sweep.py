@@ -61,18 +61,6 @@ def test_what_is_missing_failed_or_cut_short_is_computed_again_and_nothing_else(
     assert before[kept / "run.json"] == (kept / "run.json").stat().st_mtime_ns
 
 
-@pytest.mark.slow
-@pytest.mark.usefixtures("here")
-def test_a_case_whose_scene_was_changed_by_hand_is_refused(tmp_path, capsys):
-    path = sweep_file(tmp_path, beads=[12])
-    case = tmp_path / "s" / "beads=12"
-    assert sweep(path, tmp_path / "s") == 0
-    scene = case / "scene.yaml"
-    scene.write_text(scene.read_text().replace("stiffness: 0.1", "stiffness: 0.2"))
-    assert sweep(path, tmp_path / "s") == 2
-    assert f"{case}: holds this case of another scene (coupling differs)" in capsys.readouterr().err
-
-
 # --- failures ---------------------------------------------------------------------------------------------------------
 
 

@@ -1,6 +1,5 @@
 """LAMMPS runs analysed: on the exact wave, on any grid, in documented files."""
 
-import csv
 import math
 import os
 import shutil
@@ -12,7 +11,7 @@ from refusals import refusal
 
 from analysis.shape.exact_wave import solitary_wave
 from analysis.sharing.verdict import EquipartitionState
-from lammps_inputs import Kick, Output, Scene, file_names, find
+from lammps_inputs import Kick, Output, Scene, file_names
 from lammps_inputs.ingredients.coupling import Coupling
 from workflow.cli import main
 from workflow.runs.run import run
@@ -34,11 +33,6 @@ def finished(tmp_path_factory):
 @pytest.fixture(scope="module")
 def found(finished):
     return analyse(finished, figures=False)
-
-
-def rows(path):
-    with (path / "waves.csv").open(newline="") as file:
-        return list(csv.DictReader(file))
 
 
 def test_waves_in_lammps_equipartition_at_the_bead_of_the_table_and_are_then_the_exact_wave(found):
@@ -83,21 +77,3 @@ def test_frames_so_far_apart_that_agreement_to_one_per_cent_cannot_be_told_get_n
     seldom = scene(output=Output(every=2.0, beads=tuple(range(2, 120))))
     told = analyse(run(seldom, tmp_path / "coarse", check=False).directory, figures=False).survey.verdict
     assert told.state is not EquipartitionState.EQUAL
-
-
-@pytest.mark.slow
-def test_gapped_chains_whose_impulses_become_equal_are_found_equal_and_in_step_by_impulses_alone(tmp_path, capsys):
-    gapped = run(find("two-chains-gapped"), tmp_path / "run", check=False).directory
-    found = analyse(gapped, figures=False).survey
-    assert found.arrival == "impulse"
-    assert found.verdict.state is EquipartitionState.EQUAL
-    # impulses differ by less than 1 % from bead 63 on; they are not the peaks, but level out with them
-    assert abs(found.shared.agrees_from(0.01) - 63) <= 3
-    last = found.waves.at(115)
-    assert np.ptp(last.arrival) < 2e-3
-    assert last.speed == pytest.approx(115 / 779.0 * np.ones(2), rel=0.02)  # nearly the mean speed since the kick
-    assert np.isnan(found.shape.residual[found.waves.bead == 115]).all()
-    assert main(["analyze", str(gapped.path), "--no-figures", "--arrival", "maximum"]) == 0
-    assert "inconclusive: beads fly freely" in capsys.readouterr().out
-    late = [row for row in rows(gapped.path) if row["bead"] == "115"]
-    assert [(row["arrival"], row["speed"]) for row in late] == [("", "")] * 2

@@ -64,17 +64,11 @@ def recorded(*beads, **more):
 
 ROWS = (
     # two chains, strong to weak
-    Row("two-0.5", EQUAL, 2, 50, 0.5, 72.0, 17),
-    Row("two-0.5-short", BEATING, 2, 19, 0.5, 24.0, 17, foretold=True),
     Row("two-0.1", EQUAL, 2, 100, 0.1, 140.0, 62),
-    Row("two-0.05", BEATING, 2, 90, 0.05, 125.0, 115, foretold=True),
     Row("two-0.003", SHORT, 2, 100, 0.003, 135.0, 1606, foretold=True, says=("decays",)),
-    Row("two-0.001", SHORT, 2, 100, 0.001, 130.0, says=("decays",), never=("beats of",)),
     Row("one", ALONE, 1, 60, 0.0, 80.0, says=("solitary at bead 55",)),
     Row("barely-begun", SHORT, 2, 40, 0.1, 3.0, 62, foretold=True, says=("was passed in every chain",)),
     # more chains
-    Row("three-0.1", BEATING, 3, 120, 0.1, 170.0, 105, never=("within 1% from",)),
-    Row("five-0.2", BEATING, 5, 80, 0.2, 115.0, 126, foretold=True),
     Row("twenty-0.2", SHORT, 20, 76, 0.2, 130.0, 983, foretold=True, never=(r"25 \+- ", "beats of")),
     # kicks
     Row("backwards", EQUAL, 2, 50, 0.5, 72.0, 17, more=hit((1, 50, -1.0))),

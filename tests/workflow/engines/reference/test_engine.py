@@ -45,31 +45,25 @@ class Wind(Law):
 
     @staticmethod
     def force(s, t, rate):
-        """Force against the displacement, independent of it."""
         return -rate * t + 0.0 * s
 
     @staticmethod
     def power(s, t, rate):  # noqa: ARG004
-        """Rate of ``-rate t s`` at a displacement."""
         return -rate * s
 
     @staticmethod
     def stiffness(s, t, rate):  # noqa: ARG004
-        """No slope."""
         return 0.0 * s
 
     @staticmethod
     def max_strain(energy, rate):  # noqa: ARG004
-        """0, as no energy bounds the displacement."""
         return 0.0
 
     @classmethod
     def stiffest(cls, energy, *law):  # noqa: ARG003
-        """No slope."""
         return 0.0
 
     def now(self, t):
-        """The force at a time, as a weight."""
         return Weight(self.rate * t, 1.0)
 
 
