@@ -71,17 +71,6 @@ def test_a_warning_is_printed_from_a_tenth_of_the_radius_on(velocity, warned, tm
     assert ("overlaps are too large for Hertz's law" in capsys.readouterr().out) is warned
 
 
-@pytest.mark.parametrize("output", [{"every": 0.5}, {"every": 0.1, "beads": (1, 3)}])
-def test_frames_that_do_not_show_the_contacts_leave_the_bound(output, tmp_path):
-    given = steel(beads=4)
-    unit = given.scale.time
-    given = given.model_copy(update={"output": Output(**{**output, "every": output["every"] * unit})})
-    found = measure(run(given, tmp_path / "run", check=False).directory)
-    assert found == at_most(given)
-    assert not found.measured
-    assert found.lines()[0].startswith("overlaps in contacts are at most ")
-
-
 def test_overlaps_of_a_radius_make_a_failed_run(tmp_path, capsys):
     """Springs so stiff that the bound from below leaves it open; without them it would be refused."""
     kicks = (Kick(velocity=2100.0), Kick(bead=2, velocity=-2100.0))
