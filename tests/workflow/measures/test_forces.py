@@ -79,38 +79,6 @@ def impulses_by_momentum(trajectory, readings):
     }
 
 
-def linear_motion(beads, stiffness=1.0):
-    """Motion of beads of mass 1 on springs between two walls, the first kicked: a sum over modes."""
-    matrix = stiffness * (2.0 * np.eye(beads) - np.eye(beads, k=1) - np.eye(beads, k=-1))
-    squares, modes = np.linalg.eigh(matrix)
-    omega, size = np.sqrt(squares), modes[0]
-
-    def motion(time):
-        phase = np.multiply.outer(time[..., 0], omega)
-        return (np.sin(phase) / omega * size) @ modes.T, (np.cos(phase) * size) @ modes.T
-
-    return motion
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("every", [0.05, 0.2])
-def test_a_contact_that_pulls_passes_on_the_momentum_of_all_beads_beyond_it(every):
-    """The deviation from the exact sum is that of the interpolation, which the uncertainties bound."""
-    keys = {"contact": {"force": "A*s", "A": 1, "tension": "allowed"}, "beads": 6, "output": {"every": every}}
-    springs = written_down(walled(**keys, walls={"left": "bead", "right": "bead"}, duration=30.0), linear_motion(6))
-    readings = readings_of(springs, contacts=(1, 2, 5), sensors=(3,))
-    exact = impulses_by_momentum(springs, readings)
-    places = {gauge.name: place for place, gauge in enumerate(readings.gauges)}
-    of_wall = readings.impulse_error[0, places["right wall"]]
-    for name, impulse in exact.items():
-        bound = readings.impulse_error[0, places[name]] + of_wall + 1e-12
-        assert abs(readings.impulse[0, places[name]] - impulse) <= bound < 1e-4
-    for side, bead, sign in (("left wall", 0, -1.0), ("right wall", 5, 1.0)):
-        column = readings.force[:, 0, places[side]]
-        np.testing.assert_allclose(column, sign * springs.displacement[:, 0, bead], atol=1e-12)
-        assert column.min() < -0.4
-
-
 RANGE_OF_LAWS = {
     "flat walls": {"walls": {"left": "flat", "right": "rigid"}},
     "Toda": {"contact": {"force": "A*(exp(b*s)-1)", "A": 1, "b": 1, "tension": "allowed"}},
