@@ -250,11 +250,6 @@ def test_the_last_bead_kicked_backwards_mirrors_the_first_kicked_forwards_bit_fo
     np.testing.assert_array_equal(forwards.velocity, -backwards.velocity[:, :, ::-1])
 
 
-def test_the_order_of_two_chains_does_not_matter_bit_for_bit():
-    first, second = (run(problem(kick=(Kick(chain=chain, velocity=1.0),))) for chain in (1, 2))
-    np.testing.assert_array_equal(first.velocity, second.velocity[:, ::-1])
-
-
 def test_a_scheme_retraces_its_way_when_velocities_are_turned():
     like = problem()
     state = all_rows(like)
