@@ -2,14 +2,13 @@
 
 import csv
 import json
-import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from extending import in_turn
-from processes import HANGS
+from processes import output_of
 from stock_lammps import WHEEL
 
 from lammps_inputs import strict_yaml
@@ -21,21 +20,17 @@ ROOT = Path(__file__).parents[1]
 TEMPLATE = ROOT / "tests" / "support" / "template_package"
 
 
-def run(*words, **options):
-    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=HANGS, **options)
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
-    return done.stdout
-
-
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
     """Directory in which the template package is installed from its wheel."""
     place = tmp_path_factory.mktemp("template")
-    run(sys.executable, "-m", "pip", "install", "-q", "--target", place / "backend", "hatchling>=1.27")
+    output_of(sys.executable, "-m", "pip", "install", "-q", "--target", place / "backend", "hatchling>=1.27")
     code = f"import hatchling.build as made; print(made.build_wheel({str(place)!r}))"
     environment = {"PYTHONPATH": str(place / "backend"), "PATH": "/usr/bin:/bin"}
-    wheel = place / run(sys.executable, "-c", code, cwd=TEMPLATE, env=environment).split()[-1]
-    run(sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--no-compile", "--target", place / "site", wheel)
+    wheel = place / output_of(sys.executable, "-c", code, cwd=TEMPLATE, env=environment).split()[-1]
+    output_of(
+        sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--no-compile", "--target", place / "site", wheel
+    )
     return place / "site"
 
 
@@ -106,7 +101,7 @@ def test_its_study_is_a_command_and_its_function_one_of_the_module(site, tmp_pat
     assert np.all(np.isfinite(numbers))
     assert "done" in state
     code = "import granchain; print('hardness' in dir(granchain), *granchain.hardness('hard', jobs=1))"
-    assert run(sys.executable, "-P", "-c", code, cwd=tmp_path, env=environment(site)) == "True 0.5 1.0 2.0\n"
+    assert output_of(sys.executable, "-P", "-c", code, cwd=tmp_path, env=environment(site)) == "True 0.5 1.0 2.0\n"
 
 
 def test_its_law_runs_in_a_job_of_slurm(slurm, site, folder):
