@@ -161,6 +161,12 @@ def test_the_budget_of_the_reference_closes_to_1e_9_with_every_dashpot(name):
     assert seen.energy_drift < 1e-9
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["walls", "pressed", "resonators of two kinds, in some rows"])
+def test_suzuki_s_composition_of_steps_agrees_with_the_exact_motion(name, tmp_path):
+    assert error(run(scene(name, scheme="suzuki4"), tmp_path / "run", check=False), name) < 1e-4
+
+
 @pytest.mark.parametrize("name", marked(RESUMED))
 def test_a_run_that_was_interrupted_goes_on_bit_for_bit(name, tmp_path):
     goes_on_bit_for_bit(scene(name, duration=20.0), tmp_path, after=500)
