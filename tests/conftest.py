@@ -11,7 +11,6 @@ What takes time, in seconds of processor:
   or `pool_here` for sweeps.
 """
 
-import functools
 import gc
 import os
 import signal
@@ -29,7 +28,6 @@ from hypothesis import HealthCheck, settings
 from lammps_here import run
 from processes import HANGS
 
-from workflow.cli import main
 from workflow.engines.lammps import engine
 from workflow.runs.figures import write_figure
 
@@ -166,20 +164,6 @@ def pool_here() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("workflow.workers.pool.Pool.answers", answers)
         yield
-
-
-@pytest.fixture(scope="session")
-def paper(tmp_path_factory):
-    """Name of an installed scene -> directory of its run, made and analysed by the command line."""
-
-    @functools.cache
-    def directory(name):
-        path = tmp_path_factory.mktemp("paper") / name
-        assert main(["run", name, "-o", str(path)]) == 0
-        assert main(["analyze", str(path), "--no-figures"]) == 0
-        return path
-
-    return directory
 
 
 @pytest.fixture(scope="module")

@@ -2,9 +2,9 @@
 
 import csv
 import json
+import os
 import re
 from pathlib import Path
-from typing import Any
 
 import pytest
 from core_alone import ROOT
@@ -12,7 +12,7 @@ from extending import apply, git_apply, in_turn, python, sections
 
 
 @pytest.mark.parametrize("section", sections())
-def test_the_diffs_of_a_section_apply_to_the_tree(section: str, executable: Any) -> None:
+def test_the_diffs_of_a_section_apply_to_the_tree(section, executable):
     executable("git")
     diffs = sections()[section]
     assert diffs, "a section of this page shows its addition as a diff"
@@ -35,21 +35,21 @@ ADDED = (
 
 
 @pytest.fixture(scope="module")
-def environment(tmp_path_factory: pytest.TempPathFactory, executable: Any) -> dict[str, str]:
+def environment(tmp_path_factory, executable):
     """Environment of a copy of the tree with all additions, whose modules and programs are then compiled once."""
     executable("git")
     tree = tmp_path_factory.mktemp("tree")
     return [apply(section, tree) for section in ADDED][-1]
 
 
-def scene(folder: Path, name: str = "scene", **keys: Any) -> str:
+def scene(folder, name="scene", **keys):
     """Name of a scene's file in a folder; JSON is YAML."""
     plain = {"name": name, "chains": 1, "beads": 20, "kick": {"velocity": 1}, "duration": 20, **keys}
     (folder / f"{name}.yaml").write_text(json.dumps(plain), encoding="utf-8")
     return f"{name}.yaml"
 
 
-def evaluated(environment: dict[str, str], folder: Path, quantity: str, *names: str) -> list[float]:
+def evaluated(environment, folder, quantity, *names):
     """Number that studies compute of each of some scenes in memory."""
     code = (
         "import granchain; from granchain.parts import evaluate\n"
@@ -60,26 +60,8 @@ def evaluated(environment: dict[str, str], folder: Path, quantity: str, *names: 
 
 
 @pytest.mark.slow
-def test_the_functions_of_the_law_are_slopes_and_inverses_of_each_other(
-    environment: dict[str, str], tmp_path: Path
-) -> None:
-    code = """
-from workflow.plugins.bed.law import Quintic as law
-for s in (-1.5, 0.3, 2.0):
-    slope = (law.energy(s + 1e-5, 0.7) - law.energy(s - 1e-5, 0.7)) / 2e-5
-    assert abs(slope - law.force(s, 0.7)) < 1e-7, s  # the third derivative is at most 20 * 0.7 * 2**3: error 2e-9
-    slope = (law.force(s + 1e-5, 0.7) - law.force(s - 1e-5, 0.7)) / 2e-5
-    assert abs(slope - law.stiffness(s, 0.7)) < 1e-7, s
-    assert abs(law.max_strain(law.energy(s, 0.7), 0.7) - abs(s)) < 1e-14 * 10
-"""
-    python(environment, tmp_path, "-c", code)
-
-
-@pytest.mark.slow
-def test_a_scene_with_the_ingredient_runs_in_lammps_as_in_the_reference(
-    environment: dict[str, str], tmp_path: Path
-) -> None:
-    coupled = {"chains": 2, "coupling": {"stiffness": 0.1}}
+def test_a_scene_with_the_ingredient_and_the_law_of_contacts_runs_in_lammps_as_in_the_reference(environment, tmp_path):
+    coupled = {"chains": 2, "coupling": {"stiffness": 0.1}, "contact": {"stiffening": 0.5}}
     stiff, soft = (scene(tmp_path, f"bed-{q}", **coupled, bed={"quintic": q}) for q in (0.2, 1e-9))
     in_turn(environment, tmp_path, ["run", stiff, "-o", "out"])
     record = json.loads((tmp_path / "out" / "run.json").read_text())
@@ -91,9 +73,7 @@ def test_a_scene_with_the_ingredient_runs_in_lammps_as_in_the_reference(
 
 
 @pytest.mark.slow
-def test_the_measures_number_is_printed_written_and_computed_by_studies(
-    environment: dict[str, str], tmp_path: Path
-) -> None:
+def test_the_measures_number_is_printed_written_and_computed_by_studies(environment, tmp_path):
     keys = {"damping": {"beads": 0.1}, "duration": 40}
     name, sooner = (scene(tmp_path, f"below-{limit}", output={"settling": limit}, **keys) for limit in (0.1, 0.2))
     words = ["--where", "settling_time=15", "--vary", "damping.beads=0.1:0.3", "--points", "2", "--tolerance", "0.5"]
@@ -116,20 +96,7 @@ def test_the_measures_number_is_printed_written_and_computed_by_studies(
 
 
 @pytest.mark.slow
-def test_a_law_of_contacts_is_a_key_of_contacts_with_walls_and_strengths(
-    environment: dict[str, str], tmp_path: Path
-) -> None:
-    contact = {"stiffening": 0.5, "strength": [1, 2] * 9 + [1]}
-    name = scene(tmp_path, contact=contact, walls={"right": "bead"})
-    _, printed = in_turn(environment, tmp_path, ["run", name, "-o", "out", "--engine", "reference"], ["schema"])
-    assert "$defs" in (schema := json.loads(printed))
-    assert "stiffening" in schema["$defs"]["StiffeningContact"]["properties"]
-
-
-@pytest.mark.slow
-def test_the_quantity_at_a_bead_is_a_column_of_waves_and_of_the_table_of_a_sweep(
-    environment: dict[str, str], tmp_path: Path
-) -> None:
+def test_the_quantity_at_a_bead_is_a_column_of_waves_and_of_the_table_of_a_sweep(environment, tmp_path):
     name = scene(tmp_path)
     (tmp_path / "sweep.yaml").write_text(f"scene: {name}\nvary: {{kick.velocity: [1.0, 2.0]}}\nengine: reference\n")
     in_turn(
@@ -152,9 +119,7 @@ def test_the_quantity_at_a_bead_is_a_column_of_waves_and_of_the_table_of_a_sweep
 
 
 @pytest.mark.slow
-def test_the_study_finds_the_exponent_of_spheres_and_stores_its_cases(
-    environment: dict[str, str], tmp_path: Path
-) -> None:
+def test_the_study_finds_the_exponent_of_spheres_and_stores_its_cases(environment, tmp_path):
     words = ["scaling", "one-chain", "--velocities", "2,0.5,1", "-o", "scaled"]
     printed, again = in_turn(environment, tmp_path, words, [*words, "--json"])
     rows = [line.split() for line in printed.splitlines() if line.strip()[:1].isdigit()]
@@ -170,7 +135,7 @@ def test_the_study_finds_the_exponent_of_spheres_and_stores_its_cases(
 
 
 @pytest.mark.slow
-def test_the_tool_prints_the_fields_that_differ_and_no_other(environment: dict[str, str], tmp_path: Path) -> None:
+def test_the_tool_prints_the_fields_that_differ_and_no_other(environment, tmp_path):
     words = ["diff", "one-chain", "two-chains"]
     data, printed, same = in_turn(environment, tmp_path, [*words, "--json"], words, ["diff", "one-chain", "one-chain"])
     answer = json.loads(data)
@@ -182,7 +147,7 @@ def test_the_tool_prints_the_fields_that_differ_and_no_other(environment: dict[s
 
 
 @pytest.mark.slow
-def test_the_engine_computes_a_run_that_the_validation_passes(environment: dict[str, str], tmp_path: Path) -> None:
+def test_the_engine_computes_a_run_that_the_validation_passes(environment, tmp_path):
     springs = {"foundation": {"stiffness": 0.1}, "resonators": {"mass": 0.5, "stiffness": 0.2}}
     name = scene(tmp_path, chains=2, beads=12, coupling={"stiffness": 0.1}, duration=10, **springs)
     printed, validated, state = in_turn(
@@ -198,3 +163,14 @@ def test_the_engine_computes_a_run_that_the_validation_passes(environment: dict[
     # the uncertainty of the reference is some 2e-6 V
     assert validation["quantities"]["velocity"]["largest"] < 1e-5
     assert state.startswith("run: done")
+
+
+@pytest.mark.slow
+def test_what_an_ingredient_owes_beside_its_code_is_written_once_with_texts_to_be_filled(environment):
+    tree = Path(environment["PYTHONPATH"].partition(os.pathsep)[0])
+    written = python(environment, tree, "tests/support/new_ingredient.py", "bed")
+    for name in ("SCENES.md", "GALLERY.md", "scenes/bed.yaml"):
+        assert f"written: lammps_inputs/{name}" in written
+        assert "FILL" in (tree / "lammps_inputs" / name).read_text()
+    with pytest.raises(AssertionError, match=r"bed\.yaml: exists"):
+        python(environment, tree, "tests/support/new_ingredient.py", "bed")

@@ -14,9 +14,7 @@ from mirror import mirrored_problem
 from plain_scene import BEADS, scene
 
 from analysis import motion
-from lammps_inputs import physics
 from lammps_inputs.decks import deck
-from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
 from workflow.runs.run import run
 
@@ -124,13 +122,3 @@ def test_neutral_values_leave_the_deck_and_the_problem_of_a_plain_scene(names):
     like, plain = scene(**changes).problem(), scene().problem()
     assert like == plain
     assert (deck.render_deck(like), deck.render_data(like)) == (deck.render_deck(plain), deck.render_data(plain))
-
-
-def test_a_plain_scene_has_no_trace_of_ingredients():
-    problem = scene().problem()
-    text = deck.render_deck(problem)
-    assert [word for word in ("wall", "foundation", "load", "push", "drive", "dpd", "run 0") if word in text] == []
-    assert (problem.system.ground, problem.system.loads, problem.system.dampers) == ((), (), ())
-    assert not problem.system.lacks
-    assert not physics.loaded(problem.system)
-    assert rates.front_speed(problem.system) == 1.0

@@ -1,6 +1,5 @@
 """What is built from the sources: whole, and at work elsewhere."""
 
-import subprocess
 import sys
 import tarfile
 import zipfile
@@ -8,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from extending import in_turn
-from processes import HANGS
+from processes import output_of
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("lammps_inputs", "analysis", "workflow")
@@ -16,24 +15,20 @@ PACKAGES = ("lammps_inputs", "analysis", "workflow")
 pytestmark = pytest.mark.slow
 
 
-def run(*words, **options):
-    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=HANGS, **options)
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
-    return done.stdout
-
-
 @pytest.fixture(scope="module")
 def built(executable, tmp_path_factory):
     """The wheel, and the sdist that it was built from, of what git knows."""
     place = tmp_path_factory.mktemp("built")
-    run(executable("git"), "clone", "-q", ROOT, place / "source")
+    output_of(executable("git"), "clone", "-q", ROOT, place / "source")
     code = f"import hatchling.build as made; print(made.build_sdist({str(place)!r}))"
-    run(sys.executable, "-m", "pip", "install", "-q", "--target", place / "backend", "hatchling>=1.27", "editables")
+    output_of(
+        sys.executable, "-m", "pip", "install", "-q", "--target", place / "backend", "hatchling>=1.27", "editables"
+    )
     environment = {"PYTHONPATH": str(place / "backend"), "PATH": "/usr/bin:/bin"}
-    sdist = place / run(sys.executable, "-c", code, cwd=place / "source", env=environment).split()[-1]
+    sdist = place / output_of(sys.executable, "-c", code, cwd=place / "source", env=environment).split()[-1]
     # without an environment that pip would build for the backend once more
     words = ("pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", place, sdist)
-    run(sys.executable, "-m", *words, env=environment)
+    output_of(sys.executable, "-m", *words, env=environment)
     return sdist, next(place.glob("*.whl"))
 
 
@@ -41,13 +36,13 @@ def built(executable, tmp_path_factory):
 def site(built, tmp_path_factory):
     """Directory in which the wheel is installed."""
     place = tmp_path_factory.mktemp("installed")
-    run(sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--no-compile", "--target", place, built[1])
+    output_of(sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--no-compile", "--target", place, built[1])
     return place
 
 
 def test_the_wheel_holds_every_file_of_the_packages(built, executable):
     held = {name for name in zipfile.ZipFile(built[1]).namelist() if ".dist-info/" not in name}
-    tracked = run(executable("git"), "ls-files", *PACKAGES, cwd=ROOT).split()
+    tracked = output_of(executable("git"), "ls-files", *PACKAGES, cwd=ROOT).split()
     assert held == {name.removeprefix("workflow/python/") for name in tracked}
     assert {"granchain/__init__.py", "granchain/py.typed"} < held
 
@@ -55,39 +50,16 @@ def test_the_wheel_holds_every_file_of_the_packages(built, executable):
 def test_the_sdist_holds_all_there_is_also_tests_change_log_and_pictures(built, executable):
     with tarfile.open(built[0]) as archive:
         held = {name.partition("/")[2] for name in archive.getnames() if not archive.getmember(name).isdir()}
-    assert held == {*run(executable("git"), "ls-files", cwd=ROOT).split(), "PKG-INFO"}
+    assert held == {*output_of(executable("git"), "ls-files", cwd=ROOT).split(), "PKG-INFO"}
 
 
 def test_the_main_job_runs_from_the_wheel_elsewhere(site, tmp_path):
     # no path of the sources: the interpreter starts elsewhere, and what was installed comes first
     environment = {"PYTHONPATH": str(site), "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
     where = "import granchain, workflow; print(granchain.__file__, workflow.__file__)"
-    paths = run(sys.executable, "-P", "-c", where, cwd=tmp_path, env=environment).split()
+    paths = output_of(sys.executable, "-P", "-c", where, cwd=tmp_path, env=environment).split()
     assert all(path.startswith(str(site)) for path in paths)
     commands = (["run", "one-chain", "-o", "demo"], ["analyze", "demo", "--no-figures"], ["help", "coupling"])
     _, analysed, explained = in_turn(environment, tmp_path, *commands)
     assert "analysis.json" in analysed
     assert "Springs between" in explained
-
-
-def test_an_editable_install_has_the_sources_on_the_path_with_the_module_beside_the_packages(built, tmp_path):
-    source = built[0].parent / "source"
-    code = f"import hatchling.build as made; print(made.build_editable({str(tmp_path)!r}))"
-    environment = {"PYTHONPATH": str(built[0].parent / "backend"), "PATH": "/usr/bin:/bin"}
-    wheel = zipfile.ZipFile(tmp_path / run(sys.executable, "-c", code, cwd=source, env=environment).split()[-1])
-    (paths,) = (name for name in wheel.namelist() if name.endswith(".pth"))
-    assert set(wheel.read(paths).decode().split()) == {str(source), str(source / "workflow/python")}
-
-
-def test_type_checkers_see_the_types_of_the_installed_module(site, tmp_path):
-    text = (
-        "import granchain\nfrom workflow.plugins.fit.study import fit\n\nreveal_type(granchain.run)\nreveal_type(fit)\n"
-    )
-    (tmp_path / "script.py").write_text(text)
-    environment = {"MYPYPATH": str(site), "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
-    # types of other packages are no claim here, and reading them takes longer than all else
-    options = ("--no-site-packages", "--ignore-missing-imports", "--follow-imports=silent")
-    words = (sys.executable, "-P", "-m", "mypy", *options, "script.py")
-    types = run(*words, cwd=tmp_path, env=environment)
-    assert "-> workflow.interface.runs.Run" in types
-    assert "-> workflow.plugins.fit.result.Fit" in types

@@ -2,15 +2,13 @@
 
 import csv
 import json
-import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from extending import in_turn
-from processes import HANGS
+from processes import output_of
 from stock_lammps import WHEEL
 
 from lammps_inputs import strict_yaml
@@ -22,50 +20,46 @@ ROOT = Path(__file__).parents[1]
 TEMPLATE = ROOT / "tests" / "support" / "template_package"
 
 
-def run(*words: object, **options: Any) -> str:
-    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=HANGS, **options)
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
-    return done.stdout
-
-
 @pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def site(tmp_path_factory):
     """Directory in which the template package is installed from its wheel."""
     place = tmp_path_factory.mktemp("template")
-    run(sys.executable, "-m", "pip", "install", "-q", "--target", place / "backend", "hatchling>=1.27")
+    output_of(sys.executable, "-m", "pip", "install", "-q", "--target", place / "backend", "hatchling>=1.27")
     code = f"import hatchling.build as made; print(made.build_wheel({str(place)!r}))"
     environment = {"PYTHONPATH": str(place / "backend"), "PATH": "/usr/bin:/bin"}
-    wheel = place / run(sys.executable, "-c", code, cwd=TEMPLATE, env=environment).split()[-1]
-    run(sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--no-compile", "--target", place / "site", wheel)
+    wheel = place / output_of(sys.executable, "-c", code, cwd=TEMPLATE, env=environment).split()[-1]
+    output_of(
+        sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--no-compile", "--target", place / "site", wheel
+    )
     return place / "site"
 
 
-def environment(site: Path) -> dict[str, str]:
+def environment(site):
     """Environment in which the package is installed beside the tree."""
     return {"PYTHONPATH": f"{site}:{ROOT}", "PATH": "/usr/bin:/bin", "HOME": str(site)}
 
 
-def granchain(site: Path, folder: Path, *commands: list[str]) -> list[str]:
+def granchain(site, folder, *commands):
     """What each of some commands prints."""
     return in_turn(environment(site), folder, *commands)
 
 
 @pytest.fixture(scope="module")
-def folder(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(site, tmp_path_factory):
     """Folder in which the package's scene was run and analysed."""
     folder = tmp_path_factory.mktemp("used")
     granchain(site, folder, ["run", "tungsten-on-a-bed", "-o", "run"])
     return folder
 
 
-def test_its_scene_material_and_law_run_in_lammps_within_the_error_that_is_stated(folder: Path) -> None:
+def test_its_scene_material_and_law_run_in_lammps_within_the_error_that_is_stated(folder):
     record = json.loads((folder / "run" / "run.json").read_text())
     assert record["outcome"] == "done"
     assert record["check"]["velocity"] < record["settings"]["accuracy"]
     assert "strain^5" in (folder / "run" / "in.chains").read_text().replace("(", "").replace(")", "")
 
 
-def test_its_quantity_is_printed_written_and_collected(site: Path, folder: Path) -> None:
+def test_its_quantity_is_printed_written_and_collected(site, folder):
     (folder / "sweep.yaml").write_text(
         "scene: tungsten-on-a-bed\nvary: {kick.velocity: [0.1, 0.2]}\n"  # the first is the run above
     )
@@ -91,7 +85,7 @@ def test_its_quantity_is_printed_written_and_collected(site: Path, folder: Path)
     assert values[1] > values[0]
 
 
-def test_its_law_of_contacts_is_chosen_by_a_key(site: Path, tmp_path: Path) -> None:
+def test_its_law_of_contacts_is_chosen_by_a_key(site, tmp_path):
     plain = {"name": "stiff", "beads": 9, "kick": {"velocity": 1}, "duration": 5, "contact": {"stiffening": 0.5}}
     (tmp_path / "stiff.yaml").write_text(strict_yaml.dump(plain))
     granchain(site, tmp_path, ["run", "stiff.yaml", "-o", "stiff"])
@@ -99,7 +93,7 @@ def test_its_law_of_contacts_is_chosen_by_a_key(site: Path, tmp_path: Path) -> N
     assert 0.0 < record["check"]["velocity"] < record["settings"]["accuracy"]
 
 
-def test_its_study_is_a_command_and_its_function_one_of_the_module(site: Path, tmp_path: Path) -> None:
+def test_its_study_is_a_command_and_its_function_one_of_the_module(site, tmp_path):
     _, state = granchain(site, tmp_path, ["hardness", "-o", "hard"], ["status", "hard"])
     with (tmp_path / "hard" / "hardness.csv").open(newline="") as file:
         numbers = [float(row["participation"]) for row in csv.DictReader(file)]
@@ -107,10 +101,10 @@ def test_its_study_is_a_command_and_its_function_one_of_the_module(site: Path, t
     assert np.all(np.isfinite(numbers))
     assert "done" in state
     code = "import granchain; print('hardness' in dir(granchain), *granchain.hardness('hard', jobs=1))"
-    assert run(sys.executable, "-P", "-c", code, cwd=tmp_path, env=environment(site)) == "True 0.5 1.0 2.0\n"
+    assert output_of(sys.executable, "-P", "-c", code, cwd=tmp_path, env=environment(site)) == "True 0.5 1.0 2.0\n"
 
 
-def test_its_law_runs_in_a_job_of_slurm(slurm: Any, site: Path, folder: Path) -> None:
+def test_its_law_runs_in_a_job_of_slurm(slurm, site, folder):
     (folder / "site.yaml").write_text(strict_yaml.dump({"launcher": "srun --mpi=pmi2", "lmp": str(WHEEL)}))
     granchain(site, folder, ["deck", "tungsten-on-a-bed", "-o", "job", "--slurm", "--site", "site.yaml"])
     slurm.submit(folder / "job")

@@ -87,9 +87,3 @@ def test_scenes_and_sweeps_of_the_readme_pages_are_valid(page, tmp_path):
             assert library.from_plain(data, page).system
         elif "minimize" not in data:
             assert sweep_file.all_cases(sweep_file.from_plain(data, tmp_path / "sweep.yaml"))
-
-
-@pytest.mark.parametrize("index", ["README.md", "workflow/README.md"])
-def test_every_tutorial_is_linked(index):
-    text = (ROOT / index).read_text(encoding="utf-8")
-    assert [name for name in PAGES if f"tutorials/{name}.md)" not in text] == []

@@ -1,4 +1,4 @@
-"""Which processes there are, for tests that end some and look for those left behind."""
+"""Commands that tests run, and which processes there are, for tests that end some and look for those left behind."""
 
 import contextlib
 import os
@@ -27,6 +27,13 @@ def started(command: Sequence[object], **options: Any) -> Iterator[subprocess.Po
         finally:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGKILL)
+
+
+def output_of(*words: object, **options: Any) -> str:
+    """Standard output of a command that ends with exit code 0."""
+    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=HANGS, **options)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    return done.stdout
 
 
 def working_in(directory: Path) -> list[int]:

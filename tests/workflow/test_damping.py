@@ -2,49 +2,39 @@
 
 import json
 import math
-from collections.abc import Iterable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from stock_lammps import scene
 from wrong_runs import causes, without_uncertainties
 
-from analysis.conservation import Account, ConservationMeter
+from analysis.conservation import ConservationMeter
 from analysis.tracking.peaks import PeakMeter
-from analysis.trajectory import Trajectory, joined
-from lammps_inputs import Kick, Scene, laws
-from lammps_inputs.ingredients.contacts.power import PowerContact
-from lammps_inputs.ingredients.damping import Damping
-from lammps_inputs.ingredients.preload import Gravity, Precompression
-from lammps_inputs.ingredients.walls import Face, Walls
+from analysis.trajectory import joined
+from lammps_inputs import Kick, laws
 from lammps_inputs.limits import rates
-from lammps_inputs.output import Forces
-from lammps_inputs.scene import DEFAULT_ACCURACY, Output
-from workflow.cli import main
+from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
 from workflow.prepare.pilot import stride
 from workflow.runs.check import closing
-from workflow.runs.completed_run import CompletedRun
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analysis_files import analyse
 from workflow.verdicts.validate import TOLERANCES, validate
 
 
-def damped(**changes: Any) -> Scene:
-    return scene(**{"beads": 12, "duration": 10.0, "damping": Damping(contact=0.1), **changes})
+def damped(**changes):
+    return scene(**{"beads": 12, "duration": 10.0, "damping": {"contact": 0.1}, **changes})
 
 
 @pytest.fixture(scope="module")
-def done(tmp_path_factory: pytest.TempPathFactory) -> CompletedRun:
+def done(tmp_path_factory):
     return run(damped(), tmp_path_factory.mktemp("damped") / "run")
 
 
-def budget(blocks: Iterable[Trajectory], keeper: Accountant | None = None) -> tuple[float, Account]:
+def budget(blocks, keeper=None):
     """What is missing at most, and where the energy is."""
     first, *others = blocks if keeper is None else keeper.counted(blocks)
     seen = ConservationMeter(first.problem).read([first, *others])
@@ -52,7 +42,7 @@ def budget(blocks: Iterable[Trajectory], keeper: Accountant | None = None) -> tu
 
 
 @pytest.mark.slow
-def test_the_budget_of_lammps_closes_to_the_error_of_the_run_and_is_told_and_validated(done: CompletedRun) -> None:
+def test_the_budget_of_lammps_closes_to_the_error_of_the_run_and_is_told_and_validated(done):
     """However far apart its frames are."""
     problem = done.directory.problem
     for coarse in (1, 20):
@@ -74,32 +64,23 @@ def test_the_budget_of_lammps_closes_to_the_error_of_the_run_and_is_told_and_val
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("every", [2.5, 0.05])
-def test_the_budget_of_the_reference_closes_to_1e_9_however_far_apart_frames_are(every: float) -> None:
-    problem = damped(every=every).problem()
-    missing, account = budget(engine.blocks(problem, steps_per_frame=round(400 * every)))
-    assert missing < 1e-9
-    assert sum(lost[-1] for lost in account.dissipated.values()) > 0.05
-
-
-@pytest.mark.slow
-def test_contacts_that_stick_and_part_take_steps_of_their_own_for_that() -> None:
+def test_contacts_that_stick_and_part_take_steps_of_their_own_for_that():
     kicks = (Kick(bead=10, velocity=1.0), Kick(bead=11, velocity=-0.4904698767034886))
-    scene = damped(damping=Damping(contact=0.785972041541755, tension="cut"), kick=kicks, every=0.05)
+    scene = damped(damping={"contact": 0.785972041541755, "tension": "cut"}, kick=kicks, every=0.05)
     *_, uncertainty = (halving.run() for halving in closing(scene.problem()))
     assert uncertainty.energy < 1e-9
 
 
 @pytest.mark.slow
-def test_peaks_of_a_damped_run_with_an_error_of_first_order_are_let_pass(tmp_path: Path) -> None:
-    found = validate(run(damped(damping=Damping(contact=0.5), timestep=1e-3), tmp_path / "run", check=False).directory)
+def test_peaks_of_a_damped_run_with_an_error_of_first_order_are_let_pass(tmp_path):
+    found = validate(run(damped(damping={"contact": 0.5}, timestep=1e-3), tmp_path / "run", check=False).directory)
     assert found.deviations["amplitude"].largest > TOLERANCES["amplitude"]
     assert found.passed
 
 
 @pytest.mark.slow
-def test_what_a_time_step_leaves_of_overdamped_beads_is_not_taken_for_their_masses(tmp_path: Path) -> None:
-    sticky = damped(damping=Damping(contact=20.0, law="viscoelastic"), beads=10, duration=12.0, timestep=2e-3)
+def test_what_a_time_step_leaves_of_overdamped_beads_is_not_taken_for_their_masses(tmp_path):
+    sticky = damped(damping={"contact": 20.0, "law": "viscoelastic"}, beads=10, duration=12.0, timestep=2e-3)
     found = validate(run(sticky, tmp_path / "run", check=False).directory)
     assert found.exceeded("velocity")
     (cause,) = found.causes
@@ -107,9 +88,9 @@ def test_what_a_time_step_leaves_of_overdamped_beads_is_not_taken_for_their_mass
 
 
 @pytest.mark.slow
-def test_a_run_with_other_dashpots_fails_by_its_budget_too(done: CompletedRun, tmp_path: Path) -> None:
+def test_a_run_with_other_dashpots_fails_by_its_budget_too(done, tmp_path):
     step = done.directory.scene.timestep
-    other = run(damped(damping=Damping(contact=0.11), timestep=step), tmp_path / "run").directory.path
+    other = run(damped(damping={"contact": 0.11}, timestep=step), tmp_path / "run").directory.path
     (other / "scene.yaml").write_text((done.directory.path / "scene.yaml").read_text())
     (other / "log.lammps").unlink()  # it states the other dashpots
     found = validate(RunDirectory(other))
@@ -118,7 +99,7 @@ def test_a_run_with_other_dashpots_fails_by_its_budget_too(done: CompletedRun, t
 
 
 @pytest.mark.slow
-def test_frames_that_are_followed_by_the_reference_have_the_ledger_of_its_own_run() -> None:
+def test_frames_that_are_followed_by_the_reference_have_the_ledger_of_its_own_run():
     problem = damped(every=0.5).problem()
     own = engine.run(problem)
     keeper = Accountant(problem)
@@ -137,10 +118,10 @@ LAWS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
-def test_weak_damping_slows_the_pulse_by_its_law(name: str) -> None:
+def test_weak_damping_slows_the_pulse_by_its_law(name):
     """From the energy of the exact wave: amplitude to this power changes evenly from bead to bead."""
     keys, power, rate, within = LAWS[name]
-    asked = scene(beads=130, duration=165.0, damping=Damping(**keys))
+    asked = scene(beads=130, duration=165.0, damping=keys)
     peaks = PeakMeter(first_only=True).read(engine.blocks(asked.problem()))
     beads = np.arange(40, 102)
     amplitude = np.array([peaks.velocity[peaks.bead == bead][0] for bead in beads])
@@ -156,14 +137,12 @@ def test_weak_damping_slows_the_pulse_by_its_law(name: str) -> None:
     ("felt", "words"),
     [
         ({"contact": 0.0}, "the contact damping is missing"),
-        ({"contact": 0.12}, "the contact damping is 1.2 times as strong"),
-        ({"contact": 0.2}, "the contact damping is 2 times as strong"),
         ({"contact": 0.1, "law": "viscoelastic"}, "the contact damping does not follow the law of the scene"),
     ],
     ids=str,
 )
-def test_wrong_damping_is_named_as_the_cause_and_only_where_it_is(felt: dict[str, Any], words: str) -> None:
-    right, other = (engine.run(damped(damping=Damping(**keys)).problem()) for keys in ({"contact": 0.1}, felt))
+def test_wrong_damping_is_named_as_the_cause_and_only_where_it_is(felt, words):
+    right, other = (engine.run(damped(damping=keys).problem()) for keys in ({"contact": 0.1}, felt))
     wrong = replace(other, problem=right.problem)
     (found,) = causes(wrong, right)
     assert found.startswith(words)
@@ -172,30 +151,16 @@ def test_wrong_damping_is_named_as_the_cause_and_only_where_it_is(felt: dict[str
 
 
 @pytest.mark.slow
-def test_a_gauge_reads_the_whole_force_of_a_damped_contact_under_a_static_load(tmp_path: Path) -> None:
-    output = Output(forces=Forces(contacts=(6,), sensors=(6,)))
-    pressed = run(damped(precompression=Precompression(force=0.3), output=output), tmp_path / "run")
-    directory = pressed.directory
-    analyse(directory, figures=False)
-    contact, sensor = json.loads((directory.path / "analysis.json").read_text())["forces"]
-    ahead = float(joined(directory.blocks()).velocity[-1, 0, 6:].sum())
-    assert contact["impulse"] == pytest.approx(ahead, abs=pressed.check.velocity)
-    assert contact["static"] == pytest.approx(0.3, rel=1e-9)
-    assert sensor["dynamic"] < contact["dynamic"]
-    assert main(["validate", str(directory.path), "--against", str(directory.path / "forces.csv")]) == 0
-
-
-@pytest.mark.slow
-def test_a_small_standing_wave_under_load_decays_at_its_exact_complex_frequency(tmp_path: Path) -> None:
+def test_a_small_standing_wave_under_load_decays_at_its_exact_complex_frequency(tmp_path):
     """x ~ exp(s t) cos(q (n - 1/2)): m s^2 + 2 (1 - cos q) (g s + k) = 0, so its rate is g (1 - cos q) / m."""
     beads, mode, g = 12, 4, 0.2
     q = np.pi * mode / beads
     shape = np.cos(q * (np.arange(beads) + 0.5))
     shape /= shape.max()  # of the fastest bead, which is V
     asked = damped(
-        precompression=Precompression(force=1e4),  # so large that strains of the wave are 1e-3 of the overlap
+        precompression={"force": 1e4},  # so large that strains of the wave are 1e-3 of the overlap
         kick=tuple(Kick(bead=bead + 1, velocity=value) for bead, value in enumerate(shape) if abs(value) > 1e-9),
-        damping=Damping(contact=g),
+        damping={"contact": g},
         duration=6.0,
         every=0.05,
     )
@@ -216,21 +181,21 @@ def test_a_small_standing_wave_under_load_decays_at_its_exact_complex_frequency(
 
 
 @pytest.fixture
-def column(tmp_path: Path) -> CompletedRun:
+def column(tmp_path):
     case = damped(
         beads=6,
-        walls=Walls(right=Face(stiffness=5.0)),
-        contact=PowerContact(exponent=2.0),
-        gravity=Gravity(acceleration=0.05),
-        damping=Damping(contact=0.1, law="viscoelastic"),
+        walls={"right": {"stiffness": 5.0}},
+        contact={"exponent": 2.0},
+        gravity={"acceleration": 0.05},
+        damping={"contact": 0.1, "law": "viscoelastic"},
         timestep=0.005,
-        output=Output(forces=Forces(wall=True)),
+        output={"forces": {"wall": True}},
     )
     return run(case, tmp_path / "run")
 
 
 @pytest.mark.slow
-def test_the_budget_tells_what_walls_take_and_closes_and_their_gauge_reads_their_dashpot(column: CompletedRun) -> None:
+def test_the_budget_tells_what_walls_take_and_closes_and_their_gauge_reads_their_dashpot(column):
     problem = column.directory.problem
     missing, account = budget(engine.blocks(problem, steps_per_frame=40))
     assert missing < 1e-9
@@ -252,15 +217,15 @@ def test_the_budget_tells_what_walls_take_and_closes_and_their_gauge_reads_their
 
 
 @pytest.mark.parametrize("drag", [10.0, 1e3])
-def test_steps_of_lammps_and_of_the_reference_follow_the_drag_on_beads(drag: float) -> None:
-    problem = damped(damping=Damping(beads=drag), duration=1.0).problem()
+def test_steps_of_lammps_and_of_the_reference_follow_the_drag_on_beads(drag):
+    problem = damped(damping={"beads": drag}, duration=1.0).problem()
     assert (problem.timestep * drag) ** 2 / (12.0 * math.e) <= DEFAULT_ACCURACY  # of an exponential of second order
     assert problem.every / engine.default_steps_per_frame(problem) * drag <= 0.15  # within which Runge-Kutta is exact
 
 
-def test_frames_are_compared_as_often_as_dashpots_stop_a_bead() -> None:
+def test_frames_are_compared_as_often_as_dashpots_stop_a_bead():
     """The error is largest in the first of them, where a kick is slowed down."""
-    quick, slow = (damped(damping=Damping(contact=g), duration=50.0).problem() for g in (1.0, 0.01))
+    quick, slow = (damped(damping={"contact": g}, duration=50.0).problem() for g in (1.0, 0.01))
     assert quick.every > 0.25 / rates.drag(quick.system)
     assert stride(quick) == 1
     assert stride(slow) == 4

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from lammps_inputs import InputError, plugins
+from lammps_inputs import plugins
 from workflow import cli
 
 
@@ -40,8 +40,3 @@ def test_extensions_wrap_one_another_and_the_command(words, code, printed, monke
     arguments = parser.parse_args(words)
     assert arguments.execute(arguments) == code
     assert prints == printed
-
-
-def test_a_kind_of_plug_ins_that_is_needed_and_not_installed_is_one_line():
-    with pytest.raises(InputError, match=r"^gradient: needs a plug-in that declares granchain\.nowhere, and none is"):
-        plugins.needed("nowhere", "gradient")

@@ -10,7 +10,6 @@ from notebook import NOTEBOOK, executed
 
 import granchain
 from lammps_inputs import InputError, Scene, html, library
-from workflow.cli import main
 
 SCENE = {"name": "tiny", "beads": 8, "kick": {"velocity": 1.0}, "duration": 4.0}
 STEEL = SCENE | {
@@ -54,21 +53,6 @@ def test_a_run_is_a_universe_with_values_in_si(ran):
     assert ran.si.time[-1] == pytest.approx(1e-4, rel=0.01)
 
 
-def test_a_deck_is_that_of_the_command(tmp_path):
-    path = granchain.deck(SCENE, tmp_path / "deck")
-    (tmp_path / "scene.yaml").write_text(json.dumps(SCENE))
-    assert main(["deck", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "by-command"), "-q"]) == 0
-    assert path.read_text() == (tmp_path / "by-command" / "in.chains").read_text()
-
-
-def test_every_name_of_the_module_is_there_and_has_a_docstring():
-    assert set(granchain.__all__) < set(dir(granchain))
-    for name in set(dir(granchain)) - {"materials", "__version__"}:
-        assert getattr(granchain, name).__doc__, name
-    with pytest.raises(AttributeError, match="module 'granchain' has no attribute 'analyse'"):
-        granchain.analyse  # noqa: B018
-
-
 def test_waves_are_the_table_of_the_file_in_the_units_of_the_scene(ran):
     waves = granchain.analyze(ran).waves
     with (ran.directory.path / "waves.csv").open() as file:
@@ -81,21 +65,6 @@ def test_waves_are_the_table_of_the_file_in_the_units_of_the_scene(ran):
         np.testing.assert_array_equal(getattr(waves, name), numbers)
         np.testing.assert_array_equal(array[name], numbers)
         assert name in dir(waves)
-
-
-def test_a_run_its_error_its_validation_and_its_scene_show_themselves(ran):
-    judged = granchain.validate(ran.directory.path)
-    for shown, words in (
-        (ran, "lammps"),
-        (ran.check, "velocities (V)"),
-        (judged, "momentum"),
-        (granchain.load(STEEL), "radius"),
-        (granchain.analyze(ran, figures=False), "peak velocity (m/s)"),
-        (granchain.analyze(ran, figures=False).waves, "peak_velocity (m/s)"),
-    ):
-        assert words in shown._repr_html_()
-        assert len(repr(shown)) < 200
-        assert repr(shown).startswith("<")
 
 
 def test_what_a_name_holds_is_text_not_markup():

@@ -14,15 +14,6 @@ CRADLE = {"name": "a", "beads": 5, "gap": 5e-4, "material": BALL, "kick": {"velo
 SLOW = {
     "cradle": {**CRADLE, "damping": {"contact": 0.95, "law": "restitution"}},
     "until a bead": {"name": "a", "chains": 9, "beads": 5000, "kick": {"velocity": 1}, "until_bead": 5000},
-    "a column": {
-        "name": "a",
-        "beads": 2000,
-        "kick": {"velocity": 1},
-        "duration": 5000,
-        "gravity": {"acceleration": 1e-6},
-        "walls": {"right": "bead"},
-    },
-    "disorder": {"name": "a", "beads": 5000, "kick": {"velocity": 1}, "duration": 99, "disorder": {"radius": 0.01}},
 }
 
 

@@ -18,7 +18,6 @@ from workflow.measures.energy import EnergyMeasurement
 from workflow.measures.far_end import FarEndMeasurement, Transmitted
 from workflow.measures.forces.measurement import ForceMeasurement
 from workflow.measures.forces.readings import Readings
-from workflow.measures.forces.reflection import Reflection
 from workflow.measures.plastic import PlasticMeasurement, Yielded, YieldMeter, YieldTable
 from workflow.measures.spectra import SpectrumMeasurement, VelocitySpectra
 from workflow.measures.window import LeftBehind, WindowMeter
@@ -51,22 +50,6 @@ def forces(problem):
     relieved = replace(loaded, force=force, largest=loaded.static, at=nothing, dwell=nothing)
     for seen in (free, loaded, unseen, relieved):
         yield ForceMeasurement(problem, seen.entries({}), seen), seen.table()
-
-
-def test_what_each_wall_feels_and_reflects_is_said_of_each_chain():
-    walled = of_keys(chains=2, beads=10, kick={"velocity": 1.0}, duration=1.0, walls={"left": "bead", "right": "flat"})
-    seen = readings(walled, 0.0, wall=True, contacts=(2,))
-    names = [gauge.name for gauge in seen.gauges]
-    ratios = {gauge.side: (0.1 * n, 0.1 * n + 0.01) for n, gauge in enumerate(seen.gauges, 1)}
-    reflected = {side: [Reflection(ratio, 0.001, (1, 2), (3, 4)) for ratio in ratios[side]] for side in ratios}
-    said = [line for line in ForceMeasurement(walled, seen.entries(reflected), seen).lines() if isinstance(line, str)]
-    for place, gauge in enumerate(seen.gauges):
-        for chain in (0, 1) if gauge.kind == "wall" else ():
-            where = f"in chain {chain + 1} the"
-            times = seen.largest[chain, place] / seen.largest[chain, names.index("contact 2")]
-            assert f"{where} largest force at the {gauge.name} is {times:.4f} times that at contact 2" in said
-            bounced = f"{where} {gauge.name} reflects the first pulse with {ratios[gauge.side][chain]:.4f} +- 0.001"
-            assert any(line.startswith(bounced) for line in said)
 
 
 def spectra(*, si):

@@ -45,7 +45,6 @@ def test_a_pulse_may_begin_late():
     [
         {},
         {"until_bead": 5},
-        {"walls": {"right": {"stiffness": 0.01}}},
         {"precompression": {"force": 0.5}},
         {"chains": 2, "coupling": {"stiffness": 0.1}},
         {"kick": {"bead": 20, "velocity": -1.0}, "walls": {"left": "bead", "right": "bead"}, "until_bead": 1},

@@ -5,26 +5,16 @@ import pytest
 from lammps_inputs import library
 from workflow import processor_time, screen
 from workflow.engines.reference import engine
-from workflow.engines.reference.schemes import BLANES_MOAN, VERLET
-from workflow.prepare import pilot
 from workflow.prepare.settings import settle
 
 BALL = {"name": "steel-52100", "radius": 0.015}
 CRADLE = {"name": "cradle", "beads": 5, "gap": 5e-4, "material": BALL, "kick": {"velocity": 0.3}, "duration": 0.6}
-HANGING = {**CRADLE, "foundation": {"stiffness": 3.85}}
 LONG = {
-    "gaps and drag": {**HANGING, "damping": {"beads": 1e-3}},
-    "gaps and restitution": {**HANGING, "damping": {"contact": 0.95, "law": "restitution"}},
-    "a minute": {**CRADLE, "duration": 60.0, "output": {"every": 1e-3}},
-    "frames far apart": {"name": "a", "beads": 20, "kick": {"velocity": 1}, "duration": 2e5, "output": {"every": 1e5}},
-    "stiff springs": {
-        "name": "a",
-        "chains": 3,
-        "beads": 40,
-        "coupling": {"stiffness": 1e7},
-        "kick": {"velocity": 1},
-        "duration": 200,
+    "gaps and restitution": {
+        **{**CRADLE, "foundation": {"stiffness": 3.85}},
+        "damping": {"contact": 0.95, "law": "restitution"},
     },
+    "frames far apart": {"name": "a", "beads": 20, "kick": {"velocity": 1}, "duration": 2e5, "output": {"every": 1e5}},
     "a million beads": {"name": "a", "chains": 10, "beads": 100000, "kick": {"velocity": 1}, "duration": 1e5},
     "an accuracy": {**CRADLE, "accuracy": 1e-6},
 }
@@ -59,17 +49,6 @@ def test_a_duration_and_a_window_are_sought_within_the_same_limit_or_given_by_a_
     assert settled.window is None or settled.window >= sought.window
 
 
-@pytest.mark.parametrize("scheme", [BLANES_MOAN, VERLET], ids=lambda scheme: scheme.name)
-def test_frames_do_not_depend_on_how_many_steps_the_compiled_function_takes_at_a_time(scheme, monkeypatch):
-    plain = {"name": "a", "chains": 2, "beads": 12, "coupling": {"stiffness": 0.1}, "kick": {"velocity": 1}}
-    problem = library.from_plain({**plain, "duration": 6.0}, "a").problem()
-    together = engine.run(problem, scheme=scheme, steps_per_frame=7)
-    monkeypatch.setattr(engine, "_FORCES_A_CALL", 3.0 * scheme.forces_per_step * 12 * 2)  # 3 steps
-    apart = engine.run(problem, scheme=scheme, steps_per_frame=7)
-    assert (apart.displacement == together.displacement).all()
-    assert (apart.velocity == together.velocity).all()
-
-
 def test_a_limit_ends_a_run_within_a_frame_of_any_number_of_steps():
     plain = {"name": "a", "beads": 2, "kick": {"velocity": 1}, "duration": 1.0, "output": {"every": 1.0}}
     problem = library.from_plain(plain, "a").problem()
@@ -78,15 +57,3 @@ def test_a_limit_ends_a_run_within_a_frame_of_any_number_of_steps():
     with processor_time.limited(0.1), pytest.raises(processor_time.LimitReachedError):
         engine.run(problem, steps_per_frame=10**8)
     assert processor_time.clock() - before < 1.0
-
-
-@pytest.mark.slow
-def test_the_time_of_a_force_is_measured_within_a_factor_of_three():
-    for plain in (CRADLE, LONG["gaps and drag"]):
-        problem = library.from_plain({**plain, "duration": 0.01}, "a").problem()
-        pilot.load(problem)
-        steps = 40 * engine.default_steps_per_frame(problem)
-        expected = pilot.work(problem, 0, steps) / pilot.RUNS * pilot.force_seconds(problem)
-        before = processor_time.clock()
-        engine.run(problem, steps_per_frame=steps)
-        assert expected / 3.0 <= processor_time.clock() - before <= 3.0 * expected

@@ -17,7 +17,6 @@ from lammps_inputs import Kick, file_names, load
 from lammps_inputs.decks import scene_files
 from workflow.prepare.window_width import with_window
 from workflow.runs.run import run
-from workflow.verdicts.analysis_files import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -25,8 +24,6 @@ ROWS = 64
 BEADS = 115
 CASES = {
     "one chain": {"chains": 1},
-    "two chains": {"chains": 2, "kappa": 0.1},
-    "three chains, weakly coupled": {"chains": 3, "kappa": 0.02},
     "gaps": {"chains": 2, "kappa": 0.1, "gap": 0.5},
     "two kicks": {"chains": 2, "kappa": 0.5, "kick": (Kick(velocity=1.0), Kick(chain=2, bead=20, velocity=0.7))},
 }
@@ -105,19 +102,6 @@ def test_until_a_window_moves_its_error_is_that_of_the_whole_chains(tmp_path):
     assert (windowed.velocity, windowed.where) == (whole.velocity, whole.where)
 
 
-@pytest.mark.slow
-def test_the_leading_waves_are_those_of_the_whole_chains(both):
-    whole, windowed = (analyse(directory, figures=False).waves for directory in both)
-    # the last beads fly off and are fastest only after the pulse has gone
-    inner = whole.bead < BEADS - 5
-    place = list(zip(windowed.chain.tolist(), windowed.bead.tolist(), strict=True))
-    same = [place.index(one) for one in zip(whole.chain[inner].tolist(), whole.bead[inner].tolist(), strict=True)]
-    assert len(same) > 100
-    # the frames are the same to the last bit; times between them are rounded with the block that they are read in
-    np.testing.assert_allclose(windowed.arrival[same], whole.arrival[inner], rtol=0, atol=1e-11)
-    np.testing.assert_allclose(windowed.peak_velocity[same], whole.peak_velocity[inner], rtol=0, atol=1e-12)
-
-
 @pytest.mark.parametrize(
     ("scheme", "ranks"), [(None, 1), ("suzuki4", 1), pytest.param(None, 2, marks=pytest.mark.slow)]
 )
@@ -162,11 +146,3 @@ def test_a_front_that_outruns_the_window_stops_the_run(tmp_path):
 def test_auto_is_wider_where_slower_pulses_trail(kappa, rows):
     case = scene(chains=2, beads=1500, kappa=kappa, duration=2100.0, window="auto")
     assert with_window(case).window == rows
-
-
-@pytest.mark.slow
-def test_pulses_left_behind_that_could_catch_up_are_told(tmp_path):
-    # with so weak a coupling the leading wave of chain 2 is a hundred times lower than what chain 1 leaves
-    case = long_scene(chains=2, kappa=1e-4, window=ROWS, beads=150, duration=220.0)
-    analysis = analyse(run(case, tmp_path / "run", check=False).directory, figures=False)
-    assert "might catch up" in "".join(analysis.measurements["window"].lines())

@@ -1,16 +1,13 @@
 """What is said of the contacts of SI runs."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from stock_lammps import scene
 
 from lammps_inputs import Kick, Material, Output, strict_yaml
 from lammps_inputs.limits import solids
-from lammps_inputs.units import hertz_constant
 from workflow.cli import main
-from workflow.runs.contacts import at_most, measure, of_overlap
+from workflow.runs.contacts import at_most, measure
 from workflow.runs.run import run
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -44,18 +41,6 @@ def test_two_steel_balls_press_as_hard_as_hertz_says(tmp_path):
     assert found.yield_strength == pytest.approx(found.pressure / 1.6, rel=1e-14)
 
 
-def test_smaller_balls_press_as_hard_as_hertz_says_of_them():
-    """Overlaps are told over the own radius, half of the material's."""
-    small = {"kinds": {"small": {"radius": 0.5 * STEEL.radius}}, "pattern": ["small"]}
-    balls = steel(beads=3, **small)
-    seen = SimpleNamespace(value=None, each=np.array([[0.2, 0.3]]), walls=[])
-    found = of_overlap(balls, seen)
-    overlap, radius = 0.3 * balls.scale.length, 0.5 * STEEL.radius
-    assert found.overlap == pytest.approx(overlap / radius, rel=1e-12)
-    assert found.force == pytest.approx(hertz_constant(radius, 193e9, 0.3) * overlap**1.5, rel=1e-12)
-    assert found.pressure == pytest.approx(solids.peak_pressure(overlap, radius, 193e9, 0.3), rel=1e-12)
-
-
 @pytest.mark.parametrize(
     ("kind", "radius_share", "stiffness"), [("rigid", 1.0, 1.0), ("flat", 1.0, 0.5), ("bead", 0.5, 0.5)]
 )
@@ -84,17 +69,6 @@ def test_a_warning_is_printed_from_a_tenth_of_the_radius_on(velocity, warned, tm
     path = written(steel(velocity), tmp_path / "a.yaml")
     assert main(["run", path, "-o", str(tmp_path / "out"), "--no-check"]) == 0
     assert ("overlaps are too large for Hertz's law" in capsys.readouterr().out) is warned
-
-
-@pytest.mark.parametrize("output", [{"every": 0.5}, {"every": 0.1, "beads": (1, 3)}])
-def test_frames_that_do_not_show_the_contacts_leave_the_bound(output, tmp_path):
-    given = steel(beads=4)
-    unit = given.scale.time
-    given = given.model_copy(update={"output": Output(**{**output, "every": output["every"] * unit})})
-    found = measure(run(given, tmp_path / "run", check=False).directory)
-    assert found == at_most(given)
-    assert not found.measured
-    assert found.lines()[0].startswith("overlaps in contacts are at most ")
 
 
 def test_overlaps_of_a_radius_make_a_failed_run(tmp_path, capsys):

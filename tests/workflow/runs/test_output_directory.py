@@ -6,9 +6,7 @@ import os
 import shutil
 import signal
 import sys
-from collections.abc import Callable, Collection
 from contextlib import nullcontext
-from pathlib import Path
 
 import pytest
 from refusals import refusal
@@ -27,16 +25,16 @@ from workflow.runs.run import prepare_run, run, run_prepared
 from workflow.runs.run_directory import RunDirectory
 
 
-def scene(duration: float = 1.0) -> Scene:
+def scene(duration=1.0):
     return Scene(name="small", beads=4, kick=(Kick(velocity=1.0),), duration=duration)
 
 
-def contents(directory: Path) -> dict[str, bytes]:
+def contents(directory):
     return {path.name: path.read_bytes() for path in directory.iterdir() if path.is_file()}
 
 
 @pytest.mark.slow
-def test_overwriting_removes_what_is_listed_and_leaves_hidden_files_of_a_system_and_folders(tmp_path: Path) -> None:
+def test_overwriting_removes_what_is_listed_and_leaves_hidden_files_of_a_system_and_folders(tmp_path):
     run(scene(), tmp_path, engine="reference").directory.update(outcome="running")  # as after a kill
     record_files(tmp_path, ["waves.csv", "frames.zarr"])
     write_text(tmp_path / "waves.csv", "ours")
@@ -55,13 +53,13 @@ OPERATIONS = {"os.chmod", "os.mkdir", "os.remove", "os.rename", "os.rmdir"}
 """Changes of files and directories that Python announces before they are made."""
 
 
-def killed(work: Callable[[], object], before: int, operations: Collection[str] = OPERATIONS) -> bool:
+def killed(work, before, operations=OPERATIONS):
     """Do work in a process of its own, killed by SIGKILL before one of its operations; whether that came."""
     pid = os.fork()
     if pid == 0:
         left = itertools.count(before, -1)
 
-        def hook(event: str, _: object) -> None:
+        def hook(event, _):
             if event in operations and next(left) == 0:
                 os.kill(os.getpid(), signal.SIGKILL)
 
@@ -75,7 +73,7 @@ def killed(work: Callable[[], object], before: int, operations: Collection[str] 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("overwrite", [False, True])
-def test_a_kill_at_any_moment_leaves_the_earlier_files_or_the_new_ones(tmp_path: Path, *, overwrite: bool) -> None:
+def test_a_kill_at_any_moment_leaves_the_earlier_files_or_the_new_ones(tmp_path, *, overwrite):
     (tmp_path / "before").mkdir()
     if overwrite:
         run(scene(), tmp_path / "before", engine="reference")
@@ -83,7 +81,7 @@ def test_a_kill_at_any_moment_leaves_the_earlier_files_or_the_new_ones(tmp_path:
         write_text(tmp_path / "before" / "waves.csv", "ours")
     names = ["scene.yaml", "in.chains", "chains.dump.bin"]
 
-    def begin(directory: Path, *, overwrite: bool) -> None:
+    def begin(directory, *, overwrite):
         with prepared(directory, {name: name for name in names[:2]}, names, overwrite=overwrite, outcome="running"):
             pass
 
@@ -94,7 +92,7 @@ def test_a_kill_at_any_moment_leaves_the_earlier_files_or_the_new_ones(tmp_path:
     for moment in itertools.count():
         directory = tmp_path / str(moment)
         shutil.copytree(tmp_path / "before", directory)
-        if not killed(lambda directory=directory: begin(directory, overwrite=overwrite), moment):  # type: ignore[misc]
+        if not killed(lambda directory=directory: begin(directory, overwrite=overwrite), moment):
             break
         complete_replacement(directory)
         states.append(contents(directory))
@@ -107,7 +105,7 @@ def test_a_kill_at_any_moment_leaves_the_earlier_files_or_the_new_ones(tmp_path:
     assert min(states.count(before), states.count(after)) > 2
 
 
-def test_a_run_whose_replacement_was_killed_is_resumed_as_the_new_one(tmp_path: Path) -> None:
+def test_a_run_whose_replacement_was_killed_is_resumed_as_the_new_one(tmp_path):
     """Between the removal of the files of 1 T and the move of those of 2 T."""
     path = run(scene(), tmp_path / "run", engine="reference", check=False).directory.path
     ready = prepare_run(scene(2.0), path, engine="reference", overwrite=True)
@@ -118,7 +116,7 @@ def test_a_run_whose_replacement_was_killed_is_resumed_as_the_new_one(tmp_path: 
 
 
 @pytest.mark.usefixtures("lammps_here")
-def test_nothing_is_written_through_a_link(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_nothing_is_written_through_a_link(tmp_path, capsys):
     directory = run(scene(), tmp_path / "run", check=False).directory
     directory.update(outcome="interrupted")
     (directory.path / file_names.LOG).unlink()
@@ -128,8 +126,8 @@ def test_nothing_is_written_through_a_link(tmp_path: Path, capsys: pytest.Captur
 
 
 @pytest.mark.parametrize("fails", [False, True])
-def test_a_directory_is_replaced_as_one_or_not_at_all(tmp_path: Path, fails: bool) -> None:
-    def write(content: str) -> None:
+def test_a_directory_is_replaced_as_one_or_not_at_all(tmp_path, fails):
+    def write(content):
         with complete(tmp_path / "store", directory=True) as temporary:
             (temporary / content).write_text(content)
             if fails and content == "after":
@@ -142,6 +140,6 @@ def test_a_directory_is_replaced_as_one_or_not_at_all(tmp_path: Path, fails: boo
     assert list(tmp_path.iterdir()) == [tmp_path / "store"]
 
 
-def test_numbers_come_back_from_json_and_what_is_none_is_null(tmp_path: Path) -> None:
+def test_numbers_come_back_from_json_and_what_is_none_is_null(tmp_path):
     write_json(tmp_path / "a.json", {"a": 0.1 + 0.2, "b": [float("nan"), (float("inf"), 1)]})
     assert json.loads((tmp_path / "a.json").read_text()) == {"a": 0.1 + 0.2, "b": [None, [None, 1]]}

@@ -95,13 +95,6 @@ def without_the_frame_of_the_restart(directory, _):
     os.truncate(directory.dump, directory.dump.stat().st_size - frame_size(directory))
 
 
-def with_another_atom_in_a_frame(directory, _):
-    raw = bytearray(directory.dump.read_bytes())
-    where = raw.rindex(np.float64(5.0).tobytes())
-    raw[where : where + 8] = np.float64(6.0).tobytes()
-    directory.dump.write_bytes(bytes(raw))
-
-
 def with_a_damaged_restart(directory, _):
     raw = bytearray((directory.path / file_names.RESTART).read_bytes())
     raw[len(raw) // 2] ^= 1
@@ -121,7 +114,6 @@ def with_the_restart_of_another_version(directory, _):
         *(
             pytest.param(lose, True, marks=pytest.mark.slow)
             for lose in (
-                with_another_atom_in_a_frame,
                 with_a_damaged_restart,
                 with_the_restart_of_another_version,
             )

@@ -2,9 +2,7 @@
 
 import pytest
 
-from lammps_inputs import file_names, library, strict_yaml
-from lammps_inputs.output import Limits
-from workflow.cli import main
+from lammps_inputs import file_names, library
 from workflow.runs.engines import engine_called
 from workflow.runs.run import run
 from workflow.runs.size import size_of
@@ -20,10 +18,3 @@ def test_steps_frames_and_bytes_are_those_of_the_run(tmp_path):
     assert size.steps == found.job.steps
     assert size.frames == len(found.trajectory.time)
     assert size.bytes == pytest.approx((found.path / file_names.DUMP).stat().st_size, rel=0.01)
-
-
-@pytest.mark.parametrize(("gigabytes", "code"), [(1e-4, 0), (1e-5, 2)])
-def test_the_scene_sets_the_limit(gigabytes, code, tmp_path, monkeypatch):
-    monkeypatch.setattr("workflow.runs.size.MOST", Limits(gigabytes=1e-9, hours=1.0))
-    (tmp_path / "scene.yaml").write_text(strict_yaml.dump({**SCENE, "limits": {"gigabytes": gigabytes}}))
-    assert main(["run", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "out"), "--no-check"]) == code

@@ -41,14 +41,6 @@ def test_a_frame_that_is_cut_does_not_count(tmp_path):
     assert status(aged(directory)).step == 290
 
 
-def test_a_directory_of_runs_stands_for_them_all(tmp_path):
-    (tmp_path / file_names.CASES).write_text("c\na\n")
-    for name in "abc":
-        with_deck(tmp_path / name)
-    (tmp_path / "other").mkdir()
-    assert [one.directory.name for one in statuses([tmp_path], None)] == ["c", "a", "b"]
-
-
 @pytest.mark.parametrize("record", [{"outcome": "running"}, {"outcome": "interrupted", "steps_done": 200}])
 def test_no_run_resumes_at_a_later_step_than_the_one_that_it_has_reached(record, tmp_path):
     """A restart may fall between two frames."""
@@ -76,22 +68,6 @@ def any_directory(tmp_path_factory):
     return with_frames(with_deck(tmp_path_factory.mktemp("x")), 3)
 
 
-def assert_named(directory, file, content):
-    """With other content of a file the state has a name, and a printable line says why."""
-    path = directory / file
-    before = path.read_bytes() if path.exists() else None
-    path.write_bytes(content)
-    try:
-        for queue in (None, alps()):
-            found = status(directory, queue)
-            assert found.state in MEANING
-            assert found.why.isprintable()
-    finally:
-        path.unlink()
-        if before is not None:
-            path.write_bytes(before)
-
-
 KEYS = ["outcome", "steps", "steps_done", "host", "engine", "reason"]
 RECORDS = st.dictionaries(
     st.sampled_from(KEYS),
@@ -106,4 +82,16 @@ FILES = [RECORD, file_names.DECK, file_names.DUMP, file_names.SCENE, file_names.
     | st.tuples(st.just(RECORD), RECORDS.map(lambda record: json.dumps(record).encode()))
 )
 def test_whatever_stands_in_a_file_the_state_has_a_name_and_one_printable_line(any_directory, file):
-    assert_named(any_directory, *file)
+    name, content = file
+    path = any_directory / name
+    before = path.read_bytes() if path.exists() else None
+    path.write_bytes(content)
+    try:
+        for queue in (None, alps()):
+            found = status(any_directory, queue)
+            assert found.state in MEANING
+            assert found.why.isprintable()
+    finally:
+        path.unlink()
+        if before is not None:
+            path.write_bytes(before)

@@ -10,7 +10,7 @@ from random_scenes import draw
 from stock_lammps import scene
 from truth import Truth
 
-from lammps_inputs import Kick, Scene
+from lammps_inputs import Kick
 from workflow.engines.lammps import mpi
 from workflow.runs.resume import resume
 from workflow.runs.run import run
@@ -42,7 +42,7 @@ def test_springs_are_not_lost_on_two_ranks_of_a_composition(tmp_path):
     np.testing.assert_array_equal(one.velocity, two.velocity)
 
 
-def drawn(seed: int) -> Scene:
+def drawn(seed):
     """The first scene of a seed that is accepted."""
     chance, found = random.Random(seed), None
     while found is None:

@@ -45,14 +45,6 @@ def test_a_case_that_fails_is_an_answer_and_is_not_cached():
         values([bad])
 
 
-@pytest.mark.slow
-def test_cases_that_use_all_cores_come_last():
-    seen = []
-    cases = [parsed("1", cost=3.0)._replace(alone=True), parsed("2"), parsed("3", cost=2.0)]
-    evaluate(cases, tell=lambda _, answer: seen.append(answer.value))
-    assert (set(seen[:2]), seen[2]) == ({2, 3}, 1)
-
-
 @pytest.mark.parametrize("study", [SPECIMEN, *declared_studies()], ids=lambda study: study.command)
 def test_a_directory_is_one_studys_own_and_says_what_it_is_before_and_after_its_end(study, tmp_path, monkeypatch):
     monkeypatch.setattr("workflow.runs.files._LOCK_SECONDS", 0.0)

@@ -11,18 +11,15 @@ import pytest
 from figure_table import table as table_of
 
 import granchain
-from analysis.figures.studies import MOST_LINES, StudyAxis, map_figure
-from analysis.shape.unit_cell import cell_of
-from lammps_inputs import InputError, strict_yaml
+from analysis.figures.studies import StudyAxis, map_figure
+from lammps_inputs import strict_yaml
 from lammps_inputs.units import Label
 from workflow.cli import main
-from workflow.quantities.columns import QUANTITIES
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep import collect as collecting
 from workflow.sweep import fields
 from workflow.sweep import file as sweep_file
 from workflow.sweep.collect import collect
-from workflow.sweep.file import all_cases, scene_of
 
 pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")
 
@@ -86,17 +83,6 @@ def test_failed_interrupted_and_unfinished_cases_are_in_the_table_with_their_rea
     assert found[done.name][0] == "done"
 
 
-@pytest.mark.slow
-def test_what_came_back_from_a_cluster_is_analysed_and_gives_the_same_numbers(copied):
-    before = collect(copied).rows
-    for path in copied.glob("*=*"):
-        for name in ("run.json", "analysis.json", "waves.csv"):
-            (path / name).unlink()
-    after = collect(copied).rows
-    assert [row["outcome"] for row in after] == ["done"] * 6
-    assert [row["amplitude"] for row in after] == [row["amplitude"] for row in before]
-
-
 def test_a_run_that_got_farther_since_is_analysed_again(copied):
     case = next(copied.glob("*=*"))
     record = json.loads((case / "run.json").read_text())
@@ -133,17 +119,6 @@ def test_contours_of_a_map_lie_where_the_quantity_has_their_value(factor):
     assert len(contours.levels) >= 3
     for level, path in zip(contours.levels, contours.get_paths(), strict=True):
         np.testing.assert_allclose(1.0 + factor * (path.vertices @ [1.0, 2.0]), level, rtol=1e-12)
-
-
-def test_a_field_of_more_values_than_lines_is_refused_with_the_limit():
-    blank = dict.fromkeys(QUANTITIES)
-    rows = [
-        {**blank, "case": f"{gap}-{beads}", "gap": gap, "beads": beads, "outcome": "done", "speed": gap * beads}
-        for gap in (1.0, 2.0)
-        for beads in range(10, 11 + MOST_LINES)
-    ]
-    with pytest.raises(InputError, match=r"9 values; a figure has at most 8 lines; --over gap,beads draws a map"):
-        collecting.drawn(collecting.SweepTable(["gap", "beads"], rows, False), "speed", "gap", "beads")
 
 
 def test_the_collected_figure_shows_its_scene_its_bars_and_its_unsettled_cases(copied, monkeypatch, golden):
@@ -187,13 +162,6 @@ def example(tmp_path):
     path = tmp_path / "shaken.yaml"
     path.write_text(text.partition("<!-- transmissibility -->\n```yaml\n")[2].partition("```")[0])
     return sweep_file.load(path)
-
-
-@pytest.mark.slow
-def test_the_example_of_the_readme_is_a_sweep_across_the_cut_off(example):
-    first, *_, last = (scene_of(example, case).problem() for case in all_cases(example))
-    (band,) = cell_of(first.system).bands() / first.scale.time
-    assert first.system.motions[0].omega / first.scale.time < band[1] < last.system.motions[0].omega / last.scale.time
 
 
 @pytest.mark.slow

@@ -90,20 +90,6 @@ def test_masses_of_disordered_chains_have_the_mean_and_deviation_of_the_random_n
         assert found.standard_deviation == pytest.approx(exact.std(ddof=1), rel=1e-12)
 
 
-OPPOSED = [{"velocity": 1.0}, {"bead": 24, "velocity": -0.5}]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kick", [SHORT["kick"], OPPOSED], ids=["one", "opposed"])
-def test_quantities_at_a_bead_without_a_run_directory_are_those_that_collect_reads_from_one(kick, tmp_path):
-    scene = {**SHORT, "kick": kick, "disorder": {**SHORT["disorder"], "seed": 5}}
-    names = ("peak_velocity@10", "speed@10", "participation")
-    (tmp_path / "s").mkdir()
-    granchain.analyze(granchain.run(scene, tmp_path / "s" / "run", engine="reference"))
-    (row,) = granchain.collect(tmp_path / "s", names[:2]).rows
-    assert of_scene(scene, names, "test") == pytest.approx({name: row[name] for name in names}, rel=1e-12)
-
-
 # digits given with these numbers
 HALF_SEVENTH, HALF_SIXTH = 0.5e-7, 0.5e-6
 

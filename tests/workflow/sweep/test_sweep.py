@@ -14,7 +14,6 @@ from sweeps import GRANCHAIN, SMALL, sweep, sweep_file
 
 from lammps_inputs import library
 from workflow.cli import main
-from workflow.engines.registry import engine_names
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep.cases import CaseRequest, task
@@ -39,15 +38,6 @@ def test_a_swept_case_is_bit_for_bit_the_scene_run_alone(tmp_path):
     np.testing.assert_array_equal(swept.displacement, alone.trajectory.displacement)
 
 
-@pytest.mark.slow
-@pytest.mark.usefixtures("here")
-@pytest.mark.parametrize("engine", [name for name in engine_names() if name != "lammps"])
-def test_other_engines_sweep_too(engine, tmp_path):
-    path = sweep_file(tmp_path, {**SMALL, "gap": 0.1}, engine=engine, beads=[12])
-    assert sweep(path, tmp_path / "s") == 0
-    assert RunDirectory(tmp_path / "s" / "beads=12").job.engine == engine
-
-
 def stamps(directory):
     return {path: path.stat().st_mtime_ns for path in directory.rglob("*") if path.is_file()}
 
@@ -69,18 +59,6 @@ def test_what_is_missing_failed_or_cut_short_is_computed_again_and_nothing_else(
     assert changed == {unanalysed, failed, killed, gone}
     assert before[unanalysed / "run.json"] == (unanalysed / "run.json").stat().st_mtime_ns
     assert before[kept / "run.json"] == (kept / "run.json").stat().st_mtime_ns
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("here")
-def test_a_case_whose_scene_was_changed_by_hand_is_refused(tmp_path, capsys):
-    path = sweep_file(tmp_path, beads=[12])
-    case = tmp_path / "s" / "beads=12"
-    assert sweep(path, tmp_path / "s") == 0
-    scene = case / "scene.yaml"
-    scene.write_text(scene.read_text().replace("stiffness: 0.1", "stiffness: 0.2"))
-    assert sweep(path, tmp_path / "s") == 2
-    assert f"{case}: holds this case of another scene (coupling differs)" in capsys.readouterr().err
 
 
 # --- failures ---------------------------------------------------------------------------------------------------------

@@ -10,11 +10,6 @@ from workflow.engines.reference import engine
 
 COUPLED = {"chains": 2, "beads": 8, "duration": 12.0, "output": {"every": 0.1}}
 OTHER = {
-    "springs of pushed chains": (
-        {"kick": None, "push": [{"peak": 1.0, "duration": 2.0, "shape": "half-sine"}], "coupling": {"stiffness": 0.3}},
-        {"coupling": {"stiffness": 0.306}},
-        ["the coupling is 1.02 times as strong as the scene says"],
-    ),
     "drag beside dashpots of contacts": (
         {"damping": {"contact": 0.05, "beads": 0.01}, "output": {"every": 0.2}},
         {"damping": {"contact": 0.05, "beads": 0.011}},
@@ -24,11 +19,6 @@ OTHER = {
         {"kinds": {"big": {}, "small": {"mass": 0.5}}, "pattern": ["big", "big", "small"]},
         {"kinds": {"big": {}, "small": {"mass": 0.55}}},
         ["beads of mass 0.5 are 1.1 times as heavy as the scene says"],
-    ),
-    "a static load": (
-        {"precompression": {"force": 1.0}},
-        {"precompression": {"force": 1.05}},
-        ["the static load of the contacts is 1.05 times as strong as the scene says"],
     ),
     "a wall under a load": (
         {"precompression": {"force": 0.3}, "walls": {"left": "rigid", "right": {"stiffness": 2.0}}},

@@ -4,7 +4,6 @@ import math
 import re
 from pathlib import Path
 
-import plug_ins
 import pytest
 
 from analysis.shape.exact_wave import solitary_wave
@@ -13,7 +12,7 @@ from analysis.tracking.undisturbed import APART
 from lammps_inputs import physics
 from lammps_inputs.window import LEAST_WINDOW
 from workflow.prepare.window_width import SAME, WIDEST
-from workflow.verdicts import analyse, terms, validate
+from workflow.verdicts import terms, validate
 
 ROOT = Path(__file__).parents[3]
 
@@ -63,12 +62,3 @@ def test_tolerances_of_a_validation_are_those_of_the_program():
             name: float(value) for name, value in re.findall(r"(\w+) (\d\S*?)(?:[, (]|$)", quoted) if name in limits
         }
         assert found == limits
-
-
-def test_the_manual_says_what_every_figure_shows():
-    page = (ROOT / "analysis" / "README.md").read_text(encoding="utf-8")
-    section = page.partition("## Figures\n")[2].partition("\n## ")[0]
-    rows, drawn = re.findall(r"^\| `(\w+)` \|", section, re.M), [*analyse.FIGURES, validate.FIGURE]
-    assert [name for name in rows if name in drawn] == drawn
-    plug_ins.skip_if_deleted("sound")
-    assert rows == drawn

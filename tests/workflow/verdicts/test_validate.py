@@ -9,7 +9,6 @@ import pytest
 import wrong_runs
 from stock_lammps import scene
 
-from analysis.compare.difference import Deviation
 from analysis.files.recording import Writer
 from lammps_inputs import Kick, file_names, find
 from workflow.cli import main
@@ -83,12 +82,9 @@ def test_motion_in_round_numbers_is_not_taken_for_rounding(tmp_path):
 SLOW = pytest.mark.slow
 DECKS = (
     pytest.param(wrong_runs.CUBIC, "the exponent of the coupling is larger by", id="cubic coupling"),
-    pytest.param(wrong_runs.ONE_PERCENT_MORE, "the coupling is 1.01 (± ", id="kappa 1% more", marks=SLOW),
-    pytest.param(wrong_runs.without_spring(8), "between chains 1 and 2 in row 8 is missing", id="a spring", marks=SLOW),
+    pytest.param(wrong_runs.without_spring(8), "between chains 1 and 2 in row 8 is missing", id="a spring"),
 )
 DUMPS = (
-    pytest.param(wrong_runs.in_single_precision, "positions have only single precision", id="float32", marks=SLOW),
-    pytest.param(wrong_runs.printed_with_g, "velocities have only 6 digits", id="a %g dump", marks=SLOW),
     pytest.param(wrong_runs.at_half_steps, "before the positions (half-step velocities?)", id="half steps"),
     pytest.param(
         lambda run: (run.displacement, np.where(run.time[:, None, None] > 30.05, np.nan, run.velocity)),
@@ -157,18 +153,6 @@ def test_an_interrupted_run_is_said_incomplete_and_does_not_pass(good, tmp_path,
 
 
 # --- tolerances and the report ----------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("quantity", "usual"),
-    [("velocity", 2.6e-4), ("displacement", 6.6e-4), ("amplitude", 7.7e-6), ("arrival", 5.9e-4), ("energy", 1.9e-5)],
-)
-def test_a_run_may_be_off_by_a_few_times_what_the_default_step_leaves(quantity, usual, validated):
-    """``usual``: the largest measured in the paper's three scenes."""
-    found = validated
-    for share, passes in ((1.5, True), (8.0, False)):
-        deviations = {**found.deviations, quantity: Deviation(share * usual, share * usual)}
-        assert replace(found, deviations=deviations).exceeded(quantity) is not passes
 
 
 def test_the_velocity_error_is_that_of_an_independent_comparison(good, validated):

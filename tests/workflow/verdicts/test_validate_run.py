@@ -123,17 +123,6 @@ def test_two_time_steps_are_compared_quantity_by_quantity_with_time_and_settings
     assert "numpy" not in differ
 
 
-@pytest.mark.slow
-def test_another_engine_is_compared(first, tmp_path):
-    other = run(a_scene(), tmp_path / "reference", engine="reference", check=False).directory
-    validation = validate_run(copied(first, tmp_path / "copy"), other)
-    assert validation.passed
-    assert validation.runs.changes["engine"] == ("lammps", "reference")
-    assert "time step" not in validation.runs.changes  # the reference takes steps of its own
-    error = np.abs(first.trajectory.velocity - other.trajectory.velocity).max()
-    assert validation.deviations["velocity"].largest == error
-
-
 def test_beads_and_times_that_both_recorded_are_compared(first, finer, tmp_path):
     output = Output(every=1.0, beads=(3, 7))
     few = run(a_scene(timestep=0.005, output=output, duration=16.0), tmp_path / "few", check=False).directory

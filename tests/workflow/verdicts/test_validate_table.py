@@ -129,14 +129,6 @@ def test_a_table_from_positions_printed_with_g_is_caught_and_named(runs, exact, 
     assert any("displacements in" in cause and "decimals" in cause for cause in found.causes)
 
 
-@pytest.mark.slow
-def test_a_table_of_another_coupling_is_caught_and_named(runs, tmp_path):
-    other = engine.run(scene(chains=2, beads=25, kappa=0.101, duration=25.0).problem(), steps_per_frame=16)
-    found = validate_table(runs["reduced"], csv(tmp_path / "own.csv", columns(other)))
-    assert not found.passed
-    assert any("own.csv: the coupling is 1.01 (± " in cause for cause in found.causes)
-
-
 def test_a_text_dump_of_the_deck_by_stock_lammps_is_the_run(tmp_path):
     given = scene(chains=2, beads=12, kappa=0.1, duration=6.0)
     ran = run(given, tmp_path / "run", check=False)

@@ -64,22 +64,11 @@ def recorded(*beads, **more):
 
 ROWS = (
     # two chains, strong to weak
-    Row("two-0.5", EQUAL, 2, 50, 0.5, 72.0, 17),
-    Row("two-0.5-short", BEATING, 2, 19, 0.5, 24.0, 17, foretold=True),
     Row("two-0.1", EQUAL, 2, 100, 0.1, 140.0, 62),
-    Row("two-0.1-shorter", SHORT, 2, 20, 0.1, 30.0, 62, foretold=True),
-    Row("two-0.05", BEATING, 2, 90, 0.05, 125.0, 115, foretold=True),
-    Row("two-0.01", BEATING, 2, 150, 0.01, 205.0, 507, foretold=True),
     Row("two-0.003", SHORT, 2, 100, 0.003, 135.0, 1606, foretold=True, says=("decays",)),
-    Row("two-0.001", SHORT, 2, 100, 0.001, 130.0, says=("decays",), never=("beats of",)),
-    Row("two-0", ALONE, 2, 30, 0.0, 45.0),
     Row("one", ALONE, 1, 60, 0.0, 80.0, says=("solitary at bead 55",)),
     Row("barely-begun", SHORT, 2, 40, 0.1, 3.0, 62, foretold=True, says=("was passed in every chain",)),
     # more chains
-    Row("three-0.1", BEATING, 3, 120, 0.1, 170.0, 105, never=("within 1% from",)),
-    Row("three-0.5", EQUAL, 3, 60, 0.5, 90.0, 30),
-    Row("five-0.2", BEATING, 5, 80, 0.2, 115.0, 126, foretold=True),
-    Row("eight-0.5", BEATING, 8, 60, 0.5, 95.0, 100, foretold=True),
     Row("twenty-0.2", SHORT, 20, 76, 0.2, 130.0, 983, foretold=True, never=(r"25 \+- ", "beats of")),
     # kicks
     Row("backwards", EQUAL, 2, 50, 0.5, 72.0, 17, more=hit((1, 50, -1.0))),
@@ -130,30 +119,8 @@ def test_what_is_said_holds(told):
         assert "equipartitioned" not in printed
 
 
-ALIKE = {
-    "beats-on-a-foundation": "driven-chain, two-chains",
-    "coupled-from-row-41": "coupling-ramp",
-    "damped-contacts": "precompressed-damped",
-    "dimer": "heavy-impurity",
-    "drive-above-the-cut-off": "driven-chain, ring-of-three",
-    "gravity-column": "column-of-rings, steel-beside-brass",
-    "half-sine-push": "hammer-from-a-file",
-    "lattice-of-nine": "ring-of-three",
-    "one-chain": "two-chains",
-    "other-exponent": "column-of-rings, two-chains",
-    "precompressed": "precompressed-damped",
-    "striker-train": "heavy-impurity",
-    "three-chains": "ring-of-three",
-    "two-chains-gapped": "two-chains-gapped-strong",
-    "two-chains-steel": "steel-beside-brass",
-    "two-chains-strong": "two-chains",
-    "wall-reflection": "column-of-rings",
-}
-"""Installed scenes whose laws are those of others."""
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(set(installed_scenes.installed()).difference(ALIKE))[::2])
-def test_every_second_installed_scene_of_other_laws_passes_validate(name, tmp_path, capsys):
+@pytest.mark.parametrize("name", sorted(installed_scenes.installed())[2::8])
+def test_every_eighth_installed_scene_passes_validate(name, tmp_path, capsys):
     assert main(["validate", name, "-o", str(tmp_path / "run")]) == 0
     assert capsys.readouterr().out.count("\nthe validation passed\n") == 1

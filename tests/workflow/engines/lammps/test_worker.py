@@ -32,8 +32,7 @@ def test_an_unstable_time_step_fails_in_the_first_segment_with_step_bound_and_re
 
 
 HALT = "variable one equal 1\nfix stop all halt 100 v_one > 0 error continue message no\nrun ${steps}"
-SLOW = pytest.mark.slow
-TWO = (SLOW, pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores"))
+TWO = pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
 
 
 @pytest.mark.slow
@@ -42,7 +41,7 @@ TWO = (SLOW, pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores"))
     [
         ("run ${steps}", "quit 3", 1, "LAMMPS ended with exit code 3 after step 0."),
         ("run ${steps}", HALT, 1, "stopped at step 100 instead of 200"),
-        pytest.param("run ${steps}", "run 0\ndelete_atoms group all compress no", 1, "Atom-IDs must exist", marks=SLOW),
+        ("run ${steps}", "run 0\ndelete_atoms group all compress no", 1, "Atom-IDs must exist"),
         pytest.param("gran", "grin", 2, "LAMMPS: ERROR: Unrecognized pair style 'grin/hertz/history'", marks=TWO),
         # one rank alone sees that a bead of the last row is out of reach of its spring
         pytest.param("1 vx ${kick1}", "24 y 1e30", 2, "LAMMPS: ERROR on proc 1: Bond atoms 48 24 missing", marks=TWO),

@@ -3,7 +3,6 @@
 Orders, symmetries and scaling of the schemes are in ``test_engine.py``.
 """
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -113,14 +112,3 @@ def test_what_rounding_forbids_is_not_certified():
 def test_a_reference_that_diverges_has_no_uncertainty_but_an_error():
     with pytest.raises(RunError, match=r"by t = \S+ velocities of the reference are no longer finite"):
         StepHalving(problem(kappa=1e6), steps_per_frame=2).run()
-
-
-@pytest.mark.parametrize(("steps", "taken"), [(1, 2), (2, 2), (5, 6)])
-def test_steps_are_rounded_up_to_what_can_be_halved(steps, taken):
-    assert StepHalving(problem(), steps_per_frame=steps).steps_per_frame == taken
-
-
-def test_bounds_on_velocities_alone_are_those_beside_others():
-    alone, all_bounds = (StepHalving(problem(), velocity_only=only).run() for only in (True, False))
-    assert alone.velocity == all_bounds.velocity > 0.0
-    assert math.isnan(alone.arrival)
