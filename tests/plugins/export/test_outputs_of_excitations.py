@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from plug_ins import needs
 
-from lammps_inputs import InputError, Scene
+from lammps_inputs import Scene
 from lammps_inputs.library import from_plain
 from workflow.cli import main
 from workflow.runs.run import prepare_run, run_prepared
@@ -76,8 +76,3 @@ def test_what_a_scene_accepts_is_run_analysed_shown_and_exported(name: str, tmp_
     for command in ("analyze", "view"):
         assert main([command, str(directory)]) == 0, command
     assert main(["export", str(directory), "--to", "csv,netcdf,ovito,vmd"]) == 0
-
-
-def test_a_window_does_not_go_with_drives() -> None:
-    with pytest.raises(InputError, match=r"^case: .*; leave"):
-        case_of({"drive": [MOVED, FORCED], **LOAD, "beads": 100, "window": 64, "duration": 60})

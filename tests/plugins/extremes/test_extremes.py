@@ -204,14 +204,6 @@ def test_an_automatic_window_takes_in_kicks_that_are_far_apart():
 # --- the report -------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
-def test_the_quick_report_has_cells_of_every_axis_which_are_chosen_by_name():
-    quick = [cell for cell in CELLS if study.cost(cell) <= study.QUICK]
-    assert {cell.axis for cell in quick} == {cell.axis for cell in CELLS}
-    assert len(quick) < len(CELLS) == len({(cell.axis, cell.value) for cell in CELLS})
-    assert {cell.axis for cell in grid(["exponents", "masses"])} == {"exponent", "dimer", "impurity", "taper"}
-
-
 @pytest.mark.usefixtures("pool_here")
 def test_the_command_writes_a_table_goes_on_where_it_stopped_and_fails_for_a_wrong_cell(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(study, "grid", lambda *_: [ReportRun("beads", "8", SHORT), REFUSED])

@@ -287,21 +287,6 @@ def test_pages_without_bokeh_are_refused_in_one_line(tmp_path, monkeypatch, caps
     assert "pip install" in refusal(["view", tmp_path], capsys)
 
 
-@pytest.mark.parametrize(
-    ("engine", "says"),
-    [
-        ("reference", "computed by the reference integrator"),
-        pytest.param("lammps", "computed by LAMMPS 2", marks=pytest.mark.slow),
-    ],
-)
-def test_a_page_says_which_engine_computed_the_run_and_states_the_verdict_as_it_is(engine, says, tmp_path):
-    scene = {**SCENE, "beads": 3, "foundation": {"stiffness": 1.0}, "duration": 5.0}
-    text = granchain.run(scene, tmp_path / "run", engine=engine, check=False).view().path.read_text()
-    assert says in text
-    assert "<p>Equipartition does not apply: no" in text
-    assert ("A. P. Thompson" in text) == (engine == "lammps")
-
-
 @pytest.mark.slow
 def test_a_page_is_listed_shown_in_a_notebook_and_leaves_the_state_of_the_process(tmp_path, monkeypatch):
     monkeypatch.setenv("FORCE_COLOR", "1")  # bars of progress have threads

@@ -63,15 +63,6 @@ def test_an_exact_graze_exchanges_nothing():
 
 
 @pytest.mark.slow
-def test_beads_left_touching_at_rest_stay_at_rest():
-    """The orbit theta = pi / 2 leaves every row at rest, in contact with the next in both chains."""
-    gap = math.pi / 2.0 * (1.0 + 4.0 * np.finfo(float).eps)
-    found = run(rigid_problem(beads=12, gap=gap, duration=500.0))
-    assert len(found) == 11
-    np.testing.assert_allclose(sample(found, np.array([500.0])).velocity[0, :, :11], 0.0, rtol=0, atol=1e-13)
-
-
-@pytest.mark.slow
 def test_beads_that_travel_in_step_or_leave_the_row_never_meet():
     in_step = [(c, b, 1.0) for c in (1, 2) for b in range(1, 11)]
     assert len(run(rigid_problem(kicks=in_step, duration=1e6))) == 0

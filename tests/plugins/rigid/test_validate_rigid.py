@@ -113,16 +113,6 @@ def test_a_pulse_towards_bead_1_has_the_same_differences_up_to_the_mirrored_bead
         assert chain.agrees_until == (None if other.agrees_until is None else 15 - other.agrees_until)
 
 
-@pytest.mark.parametrize("chains", [1, 5])
-def test_one_chain_and_many_chains_are_compared(chains, tmp_path):
-    pair = both(small(chains=chains, kappa=None if chains == 1 else 0.1), tmp_path)
-    validation = validate_run(*pair)
-    assert [difference.chain for difference in validation.runs.chains] == list(range(1, chains + 1))
-    assert all(math.isfinite(difference.impulse.largest) for difference in validation.runs.chains)
-    if chains == 1:
-        assert validation.runs.chains[0].share.largest == 0.0
-
-
 def test_neighbours_that_both_recorded_have_impulses_and_no_share(pair, tmp_path):
     few = run(small(recorded=(3, 4, 8)), tmp_path / "few", check=False).directory
     validation = validate_run(few, pair[0])
