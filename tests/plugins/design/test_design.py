@@ -181,14 +181,6 @@ def test_members_of_the_ensemble_that_fail_or_do_not_keep_a_limit_are_counted_an
     assert found.plain()["manufacture"]["refused"] == found.plain()["manufacture"]["undefined"] == 10
 
 
-def test_tables_of_designs_name_units_in_si(tmp_path):
-    steel = {"radius": 0.005, "density": 8000.0, "youngs_modulus": 2e11, "poisson_ratio": 0.3}
-    design = file.load(written(tmp_path, scene={**SCENE, "material": steel}, beside=None, also=["agree_10", "mass"]))
-    headings = [design.heading(name) for name in ("coupling.stiffness", "beads", *design.names)]
-    assert headings == ["coupling.stiffness (N/m)", "beads", "wall_force (N)", "mass (kg)", "agree_10"]
-    assert file.load(written(tmp_path)).heading("mass") == "mass"
-
-
 def test_where_nothing_fits_the_reason_is_said(tmp_path, capsys):
     path = written(tmp_path, where={"mass": {"from": 1000}})
     assert main(["design", str(path), "-o", str(tmp_path / "d"), "--jobs", "1"]) == 2
