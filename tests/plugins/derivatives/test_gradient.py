@@ -1,8 +1,5 @@
 """Derivatives of quantities by fields: exact scaling laws, differences of accurate runs, and what is refused."""
 
-import csv
-import json
-
 import derivative_scenes
 import numpy as np
 import pytest
@@ -10,7 +7,6 @@ from derivative_scenes import PLAIN, SCENES
 
 import granchain
 from granchain import InputError
-from workflow.cli import main
 from workflow.plugins.derivatives.gradient import gradient
 
 CHAIN = {"name": "chain", "chains": 1, "beads": 24, "kick": {"velocity": 1}, "duration": 30}
@@ -114,20 +110,6 @@ def test_frames_as_fine_as_memory_allows_are_taken_and_else_fewer_fields_are_ask
     monkeypatch.setattr("workflow.plugins.derivatives.varied_scene.MOST_BYTES", 40e3)
     with pytest.raises(InputError, match=r"chain: the frames of 1 derivatives .* name fewer fields with `--by`"):
         gradient(scene, ["arrival@6"], ["kick.velocity"], "chain")
-
-
-@pytest.mark.usefixtures("lammps_here")
-def test_analyze_prints_and_writes_derivatives(tmp_path, capsys):
-    directory = str(tmp_path / "run")
-    granchain.run(scene_of(PAIR), directory)
-    words = ["analyze", directory, "--no-figures", "--gradient", "peak_velocity@12", "--by", "coupling.stiffness"]
-    assert main(words) == 0
-    printed = capsys.readouterr().out
-    assert "derivatives of quantities by fields" in printed
-    [row] = csv.DictReader((tmp_path / "run" / "gradient.csv").read_text().splitlines())
-    assert float(row["derivative"]) == pytest.approx(float(row["relative"]) * float(row["value"]) / 0.2)
-    assert main([*words, "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["gradient"][0]["derivative"] == float(row["derivative"])
 
 
 @pytest.mark.slow

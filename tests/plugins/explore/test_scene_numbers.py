@@ -2,13 +2,11 @@
 
 import time
 
-import numpy as np
 import pytest
 
 import granchain
 from lammps_inputs import InputError
 from lammps_inputs.installed_scenes import installed
-from workflow.engines.reference.step_halving import StepHalving
 from workflow.plugins.explore.compute import computed
 from workflow.plugins.explore.scene_numbers import numbers_of, read, slider_range, written
 from workflow.sweep import fields
@@ -49,17 +47,6 @@ def number_called(name, scene):
 def test_a_slider_goes_from_0_to_three_times_the_value_within_the_bounds_of_the_key(name, value, ends):
     area = slider_range(number_called(name, SCENE), value)
     assert (area.start, area.end, area.step) == pytest.approx(ends)
-
-
-@pytest.mark.slow
-def test_what_is_shown_of_a_scene_is_the_run_of_the_reference():
-    scene = granchain.load(SCENE)
-    result = computed(scene)
-    halving = StepHalving(scene.problem())
-    waves = halving.run()
-    assert result.uncertainty == waves.velocity
-    velocity = np.concatenate([block.velocity[:, 1] for block in halving.blocks()])
-    np.testing.assert_array_equal(result.part.velocity[1], velocity)
 
 
 @pytest.mark.parametrize(
