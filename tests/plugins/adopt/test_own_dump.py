@@ -2,6 +2,7 @@
 
 import re
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,16 +17,12 @@ from workflow.verdicts.validate_against import validate_against
 
 pytestmark = pytest.mark.usefixtures("here")
 
-BOX = {
-    "x": "-0.2 0.2 -0.01 0.01 -0.01 0.01",
-    "y": "-0.01 0.01 -0.2 0.2 -0.01 0.01",
-    "z": "-0.01 0.01 -0.01 0.01 -0.2 0.2",
-}
+TOUCHING = [0.005 + 0.01 * n for n in range(8)]
 
 
 def deck(
     path: Path,
-    places: list[float],
+    places: Sequence[float] = TOUCHING,
     *,
     axis: str = "x",
     kicked: int = 1,
@@ -35,6 +32,7 @@ def deck(
 ) -> Path:
     """A deck of beads of which one has a velocity."""
     velocity = " ".join(f"{speed}" if letter == axis else "0" for letter in "xyz")
+    box = " ".join("-0.2 0.2" if letter == axis else "-0.01 0.01" for letter in "xyz")
     ends = f"group ends id {held}\ngroup moving subtract all ends\nfix ends ends freeze"
     lines = (
         f"{ends if held else 'group moving union all'}\nfix motion moving nve/sphere\ntimestep 5e-7\n"
@@ -42,35 +40,21 @@ def deck(
         f"dump mine all {dump or f'custom 40 mine.dump id type {axis} v{axis}'}\nrun 600"
     )
     steel = {"units": "si", "diameter": "0.01", "density": "2500", "pair": "gran/hertz/history 1e9 0 0 0 0 0"}
-    return chain_deck(path, places, lines, axis, box=BOX[axis], **steel)
+    return chain_deck(path, places, lines, axis, box=box, **steel)
 
 
 def adopted(path: Path) -> Adopted:
     return adopt(path, None, [], 100.0)
 
 
-TOUCHING = [0.005 + 0.01 * n for n in range(8)]
-
+MANY_COLUMNS = "custom 40 mine.dump type x y z id vx vy vz fx diameter"
+MANY_DIGITS = "custom 40 mine.dump id x vx\ndump_modify mine format float %.17g\nreset_timestep 1000"
 CASES: dict[str, tuple[dict[str, Any], str, str]] = {
-    "scaled positions along y": ({"places": TOUCHING, "axis": "y", "dump": "atom 40 mine.dump"}, "y", "1-8"),
+    "scaled positions along y": ({"axis": "y", "dump": "atom 40 mine.dump"}, "y", "1-8"),
     "counted from the other end": ({"places": TOUCHING[::-1], "axis": "z"}, "z", "8-1"),
-    "held ends and many columns": (
-        {
-            **{"places": TOUCHING, "held": "1 8", "kicked": 2},
-            "dump": "custom 40 mine.dump type x y z id vx vy vz fx diameter",
-        },
-        "x",
-        "2-7",
-    ),
+    "held ends and many columns": ({"held": "1 8", "kicked": 2, "dump": MANY_COLUMNS}, "x", "2-7"),
     "any order": ({"places": [TOUCHING[k] for k in (3, 0, 7, 1, 2, 6, 4, 5)], "kicked": 2}, "x", "2,4-5,1,7-8,6,3"),
-    "another first step and seventeen digits": (
-        {
-            **{"places": TOUCHING, "held": "1", "kicked": 2},
-            "dump": "custom 40 mine.dump id x vx\ndump_modify mine format float %.17g\nreset_timestep 1000",
-        },
-        "x",
-        "2-8",
-    ),
+    "another first step and many digits": ({"held": "1", "kicked": 2, "dump": MANY_DIGITS}, "x", "2-8"),
 }
 
 
@@ -100,8 +84,8 @@ def test_the_dump_of_an_adopted_deck_is_the_run(name: str, tmp_path: Path) -> No
 
 @pytest.mark.slow
 def test_the_dump_of_another_kick_does_not_pass_and_is_named(tmp_path: Path) -> None:
-    read = adopted(deck(tmp_path / "in.mine", TOUCHING))
-    other = deck(tmp_path / "in.other", TOUCHING, speed=0.31)
+    read = adopted(deck(tmp_path / "in.mine"))
+    other = deck(tmp_path / "in.other", speed=0.31)
     run_lammps(other)
     found = validate_against(run(read.scene, tmp_path / "run", check=False).directory, tmp_path / "mine.dump")
     assert not found.passed

@@ -4,17 +4,11 @@ from contextlib import nullcontext
 
 import numpy as np
 import pytest
-from smooth_scenes import SMALL, SMOOTH, WITH_DERIVATIVES
+from smooth_scenes import SMOOTH, WITH_DERIVATIVES, resolved
 
-import granchain
 from granchain import InputError
 from workflow.engines.reference.schemes import BLANES_MOAN, VERLET
 from workflow.plugins.derivatives import tangent
-
-
-def problem_of(changes):
-    scene = {key: value for key, value in {**SMALL, **changes}.items() if value is not None}
-    return granchain.load(scene).resolved().problem()
 
 
 def moved_by(problem, change, steps, step):
@@ -37,7 +31,7 @@ def random_vectors(flow, count):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in SMOOTH if name not in WITH_DERIVATIVES])
 def test_vectors_are_the_derivative_of_the_computed_map(name):
-    problem, step, steps = problem_of(SMOOTH[name]), 0.04, 300
+    problem, step, steps = resolved(SMOOTH[name]).problem(), 0.04, 300
     flow = tangent.make_flow(problem, 1, step)
     vectors = random_vectors(flow, 1)
     flow.put(vectors)
@@ -55,9 +49,8 @@ def test_vectors_are_the_derivative_of_the_computed_map(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("scheme", [BLANES_MOAN, VERLET], ids=lambda scheme: scheme.name)
 def test_conservative_flow_keeps_areas_in_phase_space(scheme):
-    flow = tangent.make_flow(
-        problem_of({"chains": 2, "coupling": {"stiffness": 0.2}, "disorder": {"mass": 0.3, "seed": 1}}), 2, 0.05, scheme
-    )
+    pair = {"chains": 2, "coupling": {"stiffness": 0.2}, "disorder": {"mass": 0.3, "seed": 1}}
+    flow = tangent.make_flow(resolved(pair).problem(), 2, 0.05, scheme)
     flow.put(random_vectors(flow, 2))
 
     def area():
@@ -85,4 +78,4 @@ def test_conservative_flow_keeps_areas_in_phase_space(scheme):
 def test_systems_whose_forces_jump_are_refused_and_no_others(changes, reason):
     refused = pytest.raises(InputError, match=reason) if reason else nullcontext()
     with refused:
-        tangent.make_flow(problem_of(changes), 1, 0.05)
+        tangent.make_flow(resolved(changes).problem(), 1, 0.05)
