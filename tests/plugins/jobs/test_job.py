@@ -99,10 +99,10 @@ def go(directory, **environment):
     return output.read_text().removeprefix(before)
 
 
-def stop(directory, computing=None, **environment):
-    """Run the script, and signal as Slurm does that its time limit is near, when it computes in some directory."""
+def stop(directory, **environment):
+    """Run the script, and signal as Slurm does that its time limit is near, when it computes."""
     with job_of(directory, **environment) as process:
-        assert wait_until((computing or directory).joinpath(job_files.FLAG).exists, process)
+        assert wait_until(directory.joinpath(job_files.FLAG).exists, process)
         process.send_signal(signal.SIGUSR1)
         process.wait(HANGS)
 

@@ -42,11 +42,11 @@ STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_r
 # --- runs made by hand ------------------------------------------------------------------------------------------------
 
 
-def hit(chains=2, duration=4.0, kappa=0.1, material=None, **changes):
+def hit(chains=2, duration=4.0, material=None, **changes):
     """A problem of chains of six beads, hit with 0.5 (m/s); duration and coupling in units of T and of the contacts."""
     kick = (Kick(velocity=0.5),)
     unit = scene(chains=chains, kick=kick, material=material).scale
-    coupling = {"kappa": kappa * unit.stiffness} if chains > 1 else {}
+    coupling = {"kappa": 0.1 * unit.stiffness} if chains > 1 else {}
     options = {"beads": 6, "material": material, "duration": duration * unit.time, **coupling, **changes}
     return scene(chains=chains, kick=kick, **options).problem()
 

@@ -25,9 +25,9 @@ def small(**changes):
     return scene(**{"chains": 2, "beads": 14, "kappa": 0.1, "gap": 0.5, "duration": 40.0, **changes})
 
 
-def both(case, path, rigid_case=None):
+def both(case, path):
     """Runs of rigid and of elastic beads."""
-    rigid = run(rigid_case or case, path / "rigid", engine="collisions").directory
+    rigid = run(case, path / "rigid", engine="collisions").directory
     return rigid, run(case, path / "elastic", check=False).directory
 
 
@@ -36,9 +36,9 @@ def pair(tmp_path_factory):
     return both(small(), tmp_path_factory.mktemp("pair"))
 
 
-def first_impulses(rigid, elastic, until=math.inf):
+def first_impulses(rigid, elastic):
     """Of rigid and of elastic beads, [chain, row]."""
-    collisions = events.from_csv(rigid.path / EVENTS, rigid.problem.scale).until(until)
+    collisions = events.from_csv(rigid.path / EVENTS, rigid.problem.scale)
     return from_events(rigid.problem, collisions), measure(elastic.problem, elastic.blocks())
 
 
