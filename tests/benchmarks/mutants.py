@@ -51,6 +51,9 @@ IN_TEXTS = dict(pair.split() for pair in ("+ -", "* /", "< >", "<= >=", "== !=",
 IN_TEXTS |= {new: old for old, new in IN_TEXTS.items()}
 CHANGED_IN_TEXTS = re.compile(r"(?<![\w.\[{])\d+(?:\.\d+)?(?![\w.])|(?<= )(?:[-+*/<>=!]{1,2}|and|or)(?= )")
 LEFT_OUT_OF_TEXTS = re.compile(r'#.*|(?<=\n) +""".*|@.*')
+BUDGET = 600.0
+"""Seconds of tests for a mutant."""
+
 SECONDS = 300.0
 """Longest time of a test, and of what a mutant's tests take beyond ten times what they took unchanged."""
 
@@ -105,11 +108,8 @@ def skipped(tree: ast.AST) -> set[ast.AST]:
     """Nodes that are not changed: annotations, decorators, errors, docstrings, arguments that only guard."""
     roots: list[ast.AST | None] = []
     for node in ast.walk(tree):
-        roots += [
-            getattr(node, "annotation", None),
-            getattr(node, "returns", None),
-            *getattr(node, "decorator_list", []),
-        ]
+        roots += [getattr(node, "annotation", None), getattr(node, "returns", None)]
+        roots += getattr(node, "decorator_list", [])
         roots += [node] * isinstance(node, ast.Raise | ast.Assert)
         roots += [node] * (isinstance(node, ast.keyword) and node.arg == "strict")
         roots += [node] * (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant))
@@ -181,11 +181,8 @@ class Traced:
     def pytest_sessionfinish(self) -> None:
         """Write the notes."""
         self.coverage.stop()
-        data = self.coverage.get_data()
-        lines = {
-            Path(file).relative_to(Path.cwd()).as_posix(): data.contexts_by_lineno(file)
-            for file in data.measured_files()
-        }
+        data, here = self.coverage.get_data(), Path.cwd()
+        lines = {Path(f).relative_to(here).as_posix(): data.contexts_by_lineno(f) for f in data.measured_files()}
         self.file.write_text(json.dumps({"seconds": self.seconds, "lines": lines}))
 
 
@@ -249,12 +246,12 @@ class Clone:
                 os.killpg(process.pid, signal.SIGKILL)  # with all that it left behind
         return process.returncode, output
 
-    def read_map(self, file: Path, tests: list[str]) -> None:
+    def read_map(self, file: Path) -> None:
         """Read which tests execute which lines from a file, made by running all tests if it is missing."""
         if not file.is_file():
             notes = Path(f"{self.place}.notes")
             notes.mkdir()
-            _, output = self.pytest(["-n", "auto", "--dist", "loadfile", *tests], MUTANTS_TRACED=str(notes))
+            _, output = self.pytest(["-n", "auto", "--dist", "loadfile"], MUTANTS_TRACED=str(notes))
             print(output[-500:], flush=True)
             merged: dict[str, Any] = {"seconds": {}, "lines": defaultdict(lambda: defaultdict(list))}
             for content in (json.loads(note.read_text(encoding="utf-8")) for note in notes.glob("*.json")):
@@ -273,7 +270,7 @@ class Clone:
         numbers = lines if line is None else [str(line)]
         return {test for number in numbers for test in lines.get(number, []) if test in self.seconds}
 
-    def tests_of(self, mutant: Mutant, budget: float) -> list[str]:
+    def tests_of(self, mutant: Mutant) -> list[str]:
         """Tests that may find a mutant, in the order in which to run them; none if no test executes it."""
         exact = self.executing(mutant.path, mutant.line) or self.executing(mutant.path)
         if mutant.path.startswith(COMPILED) and not mutant.path.endswith("_lines.py"):
@@ -283,16 +280,14 @@ class Clone:
         order = [*sorted(exact, key=lambda test: (not test.startswith(home), self.seconds[test]))]
         order += sorted(rest, key=self.seconds.__getitem__)
         until = itertools.accumulate(self.seconds[test] for test in order)
-        return [test for test, seconds in zip(order, until, strict=True) if seconds < budget]
+        return [test for test, seconds in zip(order, until, strict=True) if seconds < BUDGET]
 
-    def verdict(self, mutant: Mutant, budget: float) -> str:
+    def verdict(self, mutant: Mutant) -> str:
         """Which test finds a mutant, empty for none."""
-        tests, path, listed = self.tests_of(mutant, budget), self.place / mutant.path, Path(f"{self.place}.tests")
+        tests, path, listed = self.tests_of(mutant), self.place / mutant.path, Path(f"{self.place}.tests")
         original = path.read_bytes()
         path.write_text(source(mutant), encoding="utf-8")
-        os.utime(
-            path, (mutant.number, mutant.number)
-        )  # the size may be the same, and the second: not what was compiled
+        os.utime(path, (mutant.number,) * 2)  # the size may be the same, and the second: not what was compiled
         listed.write_text("\n".join(tests), encoding="utf-8")
         limit = SECONDS + 10.0 * sum(self.seconds[test] for test in tests)
         files = list(dict.fromkeys(test.partition("::")[0] for test in tests))
@@ -309,8 +304,6 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="", metavar="PATH", help="mutants of a file or folder")
     parser.add_argument("--map", type=Path, default=ROOT / "build" / "mutants.json", help="made if it is missing")
-    parser.add_argument("--tests", nargs="*", default=["tests"], help="that the map is made of")
-    parser.add_argument("--budget", type=float, default=600.0, help="seconds of tests for a mutant, default 600")
     chosen = parser.parse_args(arguments)
     files = [file for folder in FOLDERS for file in sorted((ROOT / folder).rglob("*.py"))]
     paths = [path for path in (file.relative_to(ROOT).as_posix() for file in files) if path.startswith(chosen.only)]
@@ -319,9 +312,9 @@ def main(arguments: list[str]) -> int:
     found = 0
     with tempfile.TemporaryDirectory(prefix="granchain-mutants-") as root:
         clone = Clone(Path(root) / "clone")
-        clone.read_map(chosen.map, chosen.tests)
+        clone.read_map(chosen.map)
         for mutant in drawn:
-            test = clone.verdict(mutant, chosen.budget)
+            test = clone.verdict(mutant)
             print(f"{mutant.path}:{mutant.line} | {mutant.change} | {test or 'SURVIVED'}", flush=True)
             found += bool(test)
     print(f"seed {chosen.seed}: {found} of {len(drawn)} found, of {len(every)}")

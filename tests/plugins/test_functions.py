@@ -1,8 +1,7 @@
-"""Functions of studies in the module `granchain`: all are listed there, and none affects the rest of the process."""
+"""Functions of studies in the module `granchain`: none affects the rest of the process."""
 
 import numpy as np
 import pytest
-from declared_studies import declared_studies
 from global_state import SCENE, assert_state_remains
 
 import granchain
@@ -42,11 +41,6 @@ CALLS = {
 OF_STUDIES = sorted(plugins.declared("functions").keys() & plugins.declared("studies"))
 
 
-def test_every_function_of_a_study_is_called_here_and_listed_with_the_others():
-    assert set(OF_STUDIES) <= CALLS.keys(), "CALLS of this file lacks a study"
-    assert set(OF_STUDIES) <= set(dir(granchain))
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", OF_STUDIES)
 def test_the_state_of_the_process_is_as_before(name, tmp_path, monkeypatch):
@@ -55,8 +49,3 @@ def test_the_state_of_the_process_is_as_before(name, tmp_path, monkeypatch):
         for count in ("STARTS", "BEGUN"):  # which is no better for it
             monkeypatch.setattr(f"workflow.plugins.fit.study.{count}", 1)
     assert_state_remains(lambda: CALLS[name](tmp_path), tmp_path)
-
-
-def test_studies_that_draw_take_the_width_of_figures():
-    draw = {study.command for study in declared_studies() if study.figures}
-    assert draw == {name for name, module in plugins.loaded("studies").items() if getattr(module, "DRAWS", False)}

@@ -20,10 +20,6 @@ PAGES = {
 }
 
 
-def test_there_are_such_pages():
-    assert PAGES
-
-
 @pytest.mark.slow
 @pytest.mark.usefixtures("lammps_here", "pool_here", "one_figure")
 @pytest.mark.parametrize("name", PAGES)

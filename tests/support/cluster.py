@@ -2,10 +2,12 @@
 
 import os
 import re
+import shutil
 import socket
 import subprocess
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -50,33 +52,48 @@ class Cluster(ABC):
         assert wait_until(lambda: not self.queue(), every=POLLED), self.queue()
 
 
-def as_root(title: str) -> None:
-    """Skip a test where it is not root who runs it."""
+@contextmanager
+def daemons(
+    title: str, needed: Sequence[str], executable: Callable[[str], Path]
+) -> Iterator[tuple[Path, Callable[..., None], Callable[[Callable[[], bool]], None]]]:
+    """A scheduler's directory, what starts a daemon in an environment, and what waits for the last one to do something.
+
+    Nothing of them is left behind. Without the programs, or not as root, a test is skipped.
+    """
+    for name in needed:
+        executable(name)
     if os.geteuid():
         unavailable(f"{title} is started by root only")
+    home = Path("/run") / f"granchain-{title}-{os.getpid()}"  # sockets have short paths, and munge wants safe parents
+    home.mkdir(mode=0o755)
+    log, processes = home / "log", []
 
+    def start(environment: dict[str, str], *words: object) -> None:
+        with log.open("ab") as out:
+            command = [str(word) for word in words]
+            processes.append(
+                subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=out, stderr=out)
+            )
 
-def stop(processes: Sequence["subprocess.Popen[bytes]"]) -> None:
-    """End processes, the last one first."""
-    for process in reversed(processes):
-        process.terminate()
-    for process in processes:
-        try:
-            process.wait(HANGS)
-        except subprocess.TimeoutExpired:
-            process.kill()
+    def wait(condition: Callable[[], bool]) -> None:
+        assert wait_until(condition, processes[-1]), log.read_text()[-3000:]
+
+    try:
+        yield home, start, wait
+    finally:
+        for process in reversed(processes):
+            process.kill()  # asked to end, some take ten seconds; nothing of theirs is kept
             process.wait()
+        shutil.rmtree(home, ignore_errors=True)
 
 
 def free_ports(count: int) -> list[int]:
     """Ports of this machine that nothing listens to."""
-    held = [socket.socket() for _ in range(count)]
-    for one in held:
-        one.bind(("127.0.0.1", 0))
-    ports = [int(one.getsockname()[1]) for one in held]
-    for one in held:
-        one.close()
-    return ports
+    with ExitStack() as held:
+        sockets = [held.enter_context(socket.socket()) for _ in range(count)]
+        for one in sockets:
+            one.bind(("127.0.0.1", 0))
+        return [int(one.getsockname()[1]) for one in sockets]
 
 
 def stop_after_a_stretch(directory: Path, steps: int = 1000) -> None:

@@ -2,10 +2,10 @@
 
 From the root of the new tree: ``python tests/support/compare_trees.py OLD_TREE [--random 200]``. Every installed scene
 and random ones go through ``show``, ``deck``, ``run`` with both engines, ``analyze`` and ``validate`` in both trees;
-one in ten also on two ranks, and one in ten is killed and resumed. Exit code 1 if anything differs that ``--expected``
-does not name. What a tree has computed is kept in ``DIR`` under the hash of its sources and of the commands, and not
-computed again (``--again`` does so). Each tree is installed for its process, with the entry points of its own
-``pyproject.toml``; of its modules this script names that of its command alone.
+one in ten also on two ranks, and one in ten is killed and resumed. Exit code 1 if anything differs. What a tree has
+computed is kept in ``--work`` under the hash of its sources and of the commands, and not computed again. Each tree is
+installed for its process, with the entry points of its own ``pyproject.toml``; of its modules this script names that of
+its command alone.
 
 | what                           | compared                                                             |
 |--------------------------------|----------------------------------------------------------------------|
@@ -47,18 +47,7 @@ HERE = Path(__file__).resolve().parents[2]
 
 PACKAGES = ("lammps_inputs", "analysis", "workflow")
 
-CLOCK = {
-    "date",
-    "created",
-    "started",
-    "finished",
-    "host",
-    "machine",
-    "versions",
-    "version",
-    "command",
-    "history",
-}
+CLOCK = {"date", "created", "started", "finished", "host", "machine", "versions", "version", "command", "history"}
 """Keys of JSON that say when and where; those with `seconds` say how long."""
 
 NOISE = (
@@ -116,8 +105,6 @@ def compute(tasks: Path, results: Path) -> None:
         with tempfile.TemporaryDirectory(dir=results) as scratch:
             place = Path(scratch) / name
             place.mkdir()
-            for file, text in task["files"].items():
-                (place / file).write_text(text)
             with contextlib.chdir(place):
                 codes = {step: carried_out(main, step, words, place) for step, words in task["steps"].items()}
             if INTERRUPTED in codes.values():
@@ -270,12 +257,6 @@ def differences(old: Any, new: Any, where: str = "") -> Iterator[tuple[str, str]
         yield where, f"{old!r:.80} | {new!r:.80}"
 
 
-def tasks_of_scenes(old: Path, work: Path, count: int, seed: int) -> dict[str, Any]:
-    """Name -> steps and files, of every scene."""
-    scenes = written_scenes(work / f"scenes-{seed}", old, count, seed)
-    return {scene.stem: {"steps": dict(commands(scene, number)), "files": {}} for number, scene in enumerate(scenes)}
-
-
 def main() -> int:
     """Compare, and say what differs."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
@@ -284,8 +265,6 @@ def main() -> int:
     parser.add_argument("--tasks", metavar="PATTERN", default="*", help="scenes of such names")
     parser.add_argument("--random", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--again", action="store_true", help="compute the new tree's results even if they are known")
-    parser.add_argument("--expected", type=Path, help="file of lines `PATTERN of SCENE: FILE.PLACE`")
     parser.add_argument("--work", type=Path, default=Path(tempfile.gettempdir()) / "compared-trees")
     parser.add_argument("--compute", nargs=2, type=Path, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
@@ -294,11 +273,9 @@ def main() -> int:
         return 0
     trees = (arguments.old.resolve(), arguments.new.resolve())
     places = [arguments.work / f"{sources(tree)}-{arguments.seed}" for tree in trees]
-    if arguments.again:
-        places[1] = places[1].with_name(f"{places[1].name}-again")
-        shutil.rmtree(places[1], ignore_errors=True)
     environments = [installed(tree, place / "installed") for tree, place in zip(trees, places, strict=True)]
-    tasks = tasks_of_scenes(trees[0], arguments.work, arguments.random, arguments.seed)
+    scenes = written_scenes(arguments.work / f"scenes-{arguments.seed}", trees[0], arguments.random, arguments.seed)
+    tasks = {scene.stem: {"steps": dict(commands(scene, number))} for number, scene in enumerate(scenes)}
     tasks = {name: task for name, task in tasks.items() if fnmatch.fnmatch(name, arguments.tasks)}
     for task in tasks.values():
         task["digest"] = hashlib.sha256(json.dumps(task).encode()).hexdigest()[:16]
@@ -309,31 +286,20 @@ def main() -> int:
         (place / "computed").mkdir(exist_ok=True)
         subprocess.run(words, check=True, env=environment, cwd=place)
         print(f"{place}: {time.monotonic() - begun:.0f} s", flush=True)
-    lines = arguments.expected.read_text().splitlines() if arguments.expected else []
-    expected = [line.strip() for line in lines if line.strip()]
-    return compared(tasks, [place / "computed" for place in places], expected)
+    return compared(tasks, [place / "computed" for place in places])
 
 
-def compared(tasks: dict[str, Any], places: list[Path], expected: list[str]) -> int:
-    """Print the first difference of every file that no pattern expects; exit code."""
+def compared(tasks: dict[str, Any], places: list[Path]) -> int:
+    """Print the first difference of every file; exit code."""
     kinds: Counter[str] = Counter()
-    foreseen: Counter[str] = Counter()
     for name in tasks:
         old, new = (files(place / name) for place in places)
-        here = 0
-        for file in sorted({*old, *new}):
-            for where, both in differences(old.get(file), new.get(file), f"{name}: {file}"):
-                pattern = next((pattern for pattern in expected if fnmatch.fnmatchcase(where, pattern)), None)
-                if pattern is None:
-                    kinds[file] += 1
-                    here += 1
-                    if here <= SHOWN:
-                        print(f"{where}: {both}")
-                    break
-                foreseen[pattern] += 1
-    for pattern, number in foreseen.items():
-        print(f"expected: {number} at {pattern}")
-    print(f"{len(tasks)} scenes: {sum(kinds.values())} files differ; {dict(kinds.most_common(20))}")
+        found = {file: next(differences(old.get(file), new.get(file)), None) for file in sorted({*old, *new})}
+        differing = {file: first for file, first in found.items() if first is not None}
+        kinds.update(differing.keys())
+        for file, (where, both) in list(differing.items())[:SHOWN]:
+            print(f"{name}: {file}{where}: {both}")
+    print(f"{len(tasks)} scenes: {kinds.total()} files differ; {dict(kinds.most_common(20))}")
     return 1 if kinds else 0
 
 

@@ -4,8 +4,6 @@ A plug-in is a folder of ``workflow/plugins``, with its tests in ``tests/plugins
 plug-ins are deleted. The tests, the fast ones unless arguments say otherwise, run in a copy of the tree that has
 neither the folders of these plug-ins nor their tests, and does not declare them in ``pyproject.toml``. A plug-in that
 imports a deleted one is deleted, too. Tests of others that need a deleted one are skipped by its name (`plug_ins`).
-``--list`` prints which plug-ins import which, and the files of the core and tests of other parts that import one: these
-break without it.
 """
 
 import ast
@@ -61,15 +59,6 @@ def with_those_that_stand_on(names: set[str]) -> set[str]:
     return deleted
 
 
-def foreign_imports() -> Iterator[tuple[str, set[str]]]:
-    """Files outside a plug-in and its tests, and the plug-ins that they import."""
-    for path in tracked():
-        package, _, rest = path.partition("/plugins/")
-        home = rest.partition("/")[0] if package in ("workflow", "tests") else ""
-        if path.endswith(".py") and (others := imported_by(ROOT / path) - {home}) and package != "workflow":
-            yield path, others
-
-
 def tracked() -> Iterator[str]:
     """Files of the tree that git does not ignore."""
     words = ["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z"]
@@ -101,12 +90,6 @@ def _drop_lines(path: Path, pattern: str) -> None:
 
 def main(arguments: list[str]) -> int:
     """Exit code of pytest on such a copy."""
-    if arguments == ["--list"]:
-        for name, others in imports().items():
-            print(name, "imports", ", ".join(sorted(others)) or "no other plug-in")
-        for path, others in foreign_imports():
-            print(path, "imports", ", ".join(sorted(others)))
-        return 0
     end = arguments.index("--") if "--" in arguments else len(arguments)
     words, rest = arguments[:end], arguments[end + 1 :]
     names = set(plug_ins()) if words in ([], ["all"]) else set(words)

@@ -117,7 +117,7 @@ def values_of_run(plain: dict[str, Any], name: str, every: float) -> Any:
     """Quantities, [quantity], of an accurate run with frames that far apart, in units of the scene."""
     scene = library.from_plain({**plain, "output": {"every": every}}, name)
     problem = scene.problem()
-    run = engine.run(problem, steps_per_frame=4 * engine.default_steps_per_frame(problem))
+    run = engine.run(problem, steps_per_frame=2 * engine.default_steps_per_frame(problem))
     values = of_frames(problem, run.blocks, scene, SCENES[name].quantities)
     return np.array([values[quantity] for quantity in SCENES[name].quantities], dtype=np.float64)
 

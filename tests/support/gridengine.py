@@ -5,19 +5,16 @@ behind. Without its programs, or not as root, its tests are skipped.
 """
 
 import os
-import shutil
 import socket
 import subprocess
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 import pytest
-from cluster import Cluster, as_root, free_ports, stop
-from processes import wait_until
+from cluster import Cluster, daemons, free_ports
 
 PROGRAMS = Path("/usr/lib/gridengine")
 SHARED = Path("/usr/share/gridengine")
-NEEDED = ("sge_qmaster", "sge_execd", "qsub")
 
 
 class GridEngine(Cluster):
@@ -41,23 +38,13 @@ class GridEngine(Cluster):
 @pytest.fixture(scope="session")
 def grid_engine(executable: Callable[[str], Path]) -> Iterator[GridEngine]:
     """Grid Engine with one idle node of two slots, and the parallel environments mpi and smp."""
-    for name in NEEDED:
-        executable(name)
-    as_root("Grid Engine")
-    home = Path("/run") / f"granchain-grid-engine-{os.getpid()}"
-    processes: list[subprocess.Popen[bytes]] = []
-    try:
-        running = _start(home, processes)
+    with daemons("grid-engine", ("sge_qmaster", "sge_execd", "qsub"), executable) as (home, start, wait):
+        running = _started(home, start, wait)
         yield running
         running.end()
-    finally:
-        for process in processes:
-            process.kill()  # asked to end, they take ten seconds; nothing of theirs is kept
-        stop(processes)
-        shutil.rmtree(home, ignore_errors=True)
 
 
-def _start(home: Path, processes: list["subprocess.Popen[bytes]"]) -> GridEngine:
+def _started(home: Path, start: Callable[..., None], wait: Callable[[Callable[[], bool]], None]) -> GridEngine:
     common, spool = home / "default" / "common", home / "spool"
     for directory in (common, spool, home / "jobs"):
         directory.mkdir(parents=True)
@@ -97,28 +84,21 @@ def _start(home: Path, processes: list["subprocess.Popen[bytes]"]) -> GridEngine
         running.call("spooldefaults", kind, SHARED / "util" / "resources" / folder)
     running.call("spooldefaults", "managers", "root")
 
-    log = home / "log"
-
-    def start(name: str) -> None:
-        with log.open("ab") as file:
-            environment = {**running.environment, "SGE_ND": "1"}  # in the foreground
-            processes.append(
-                subprocess.Popen([PROGRAMS / name], env=environment, stdin=subprocess.DEVNULL, stdout=file, stderr=file)
-            )
+    in_foreground = {**running.environment, "SGE_ND": "1"}
 
     def answers(*words: str) -> bool:
         done = subprocess.run([PROGRAMS / words[0], *words[1:]], env=running.environment, capture_output=True)
         return done.returncode == 0
 
-    start("sge_qmaster")
-    assert wait_until(lambda: answers("qconf", "-as", "localhost"), processes[-1]), log.read_text()
+    start(in_foreground, PROGRAMS / "sge_qmaster")
+    wait(lambda: answers("qconf", "-as", "localhost"))
     _configure(running, home)
-    start("sge_execd")
+    start(in_foreground, PROGRAMS / "sge_execd")
 
     def idle() -> bool:
         return running.call("qstat", "-f").count("/0/2 ") == 1 and "lx-" in running.call("qstat", "-f")
 
-    assert wait_until(idle, processes[-1]), log.read_text()
+    wait(idle)
     return running
 
 

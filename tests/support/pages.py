@@ -41,22 +41,7 @@ def too_long(page: str) -> list[str]:
     return long + [f"{len(cell)} characters: {cell[:60]}" for cell in cells(page) if len(cell) > LONGEST_CELL]
 
 
-_COMMANDS = (
-    "frac",
-    "tfrac",
-    "sqrt",
-    "max",
-    "sum",
-    "int",
-    "dots",
-    "dot",
-    "ddot",
-    "lvert",
-    "rvert",
-    "quad",
-    "qquad",
-    "pi",
-)
+_COMMANDS = ("frac", "tfrac", "sqrt", "max", "sum", "int", "dots", "dot", "ddot", "lvert", "rvert", "quad", "qquad")
 _COMMANDS += ("pi", "sin", "ln", "ll", "le")
 """Commands of TeX that are no symbols."""
 

@@ -5,7 +5,6 @@ programs, or not as root, its tests are skipped.
 """
 
 import os
-import shutil
 import socket
 import subprocess
 import time
@@ -13,10 +12,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from cluster import Cluster, as_root, free_ports, stop
-from processes import wait_until
+from cluster import Cluster, daemons, free_ports
 
-DAEMONS = ("munged", "slurmctld", "slurmd")
 _PATH = f"{os.environ.get('PATH', '')}:/usr/sbin:/usr/bin"
 
 
@@ -40,22 +37,13 @@ class Slurm(Cluster):
 @pytest.fixture(scope="session")
 def slurm(executable: Callable[[str], Path]) -> Iterator[Slurm]:
     """Slurm with one idle node of two cores (or as many as there are)."""
-    for name in DAEMONS:
-        executable(name)
-    as_root("Slurm")
-    home = Path("/run") / f"granchain-slurm-{os.getpid()}"  # sockets have short paths, and munge wants safe parents
-    home.mkdir(mode=0o755)
-    processes: list[subprocess.Popen[bytes]] = []
-    try:
-        running = _start(home, processes)
+    with daemons("slurm", ("munged", "slurmctld", "slurmd"), executable) as (home, start, wait):
+        running = _started(home, start, wait)
         yield running
         running.end()
-    finally:
-        stop(processes)
-        shutil.rmtree(home, ignore_errors=True)
 
 
-def _start(home: Path, processes: list["subprocess.Popen[bytes]"]) -> Slurm:
+def _started(home: Path, start: Callable[..., None], wait: Callable[[Callable[[], bool]], None]) -> Slurm:
     for name in ("state", "spool", "munge"):
         (home / name).mkdir(mode=0o755)
     controller, node = free_ports(2)
@@ -96,29 +84,20 @@ NodeName={socket.gethostname()} NodeAddr=127.0.0.1 CPUs={cores} State=UNKNOWN
 PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 """)
     environment = {**os.environ, "PATH": _PATH, "SLURM_CONF": str(configuration)}
-    log = (home / "log").open("wb")
-
-    def start(*words: object) -> None:
-        processes.append(
-            subprocess.Popen(
-                [str(word) for word in words], env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log
-            )
-        )
-
     munge = home / "munge"
     start(
+        environment,
         *("munged", "--foreground", f"--key-file={key}", f"--socket={socket_path}", f"--pid-file={munge}/pid"),
         *(f"--seed-file={munge}/seed", f"--log-file={munge}/log"),
     )
-    assert wait_until(socket_path.exists), (home / "log").read_text()
-    start("slurmctld", "-D", "-c", "-f", configuration)
-    start("slurmd", "-D", "-c", "-f", configuration)
-    log.close()
+    wait(socket_path.exists)
+    for daemon in ("slurmctld", "slurmd"):
+        start(environment, daemon, "-D", "-c", "-f", configuration)
     running = Slurm(environment)
 
     def idle() -> bool:
         done = subprocess.run(["sinfo", "-h", "-o", "%t"], env=environment, capture_output=True, text=True)
         return done.stdout.strip() == "idle"
 
-    assert wait_until(idle), (home / "log").read_text()[-3000:]
+    wait(idle)
     return running

@@ -1,5 +1,7 @@
 """Small scenes of many ingredients whose equations of motion can be linearised."""
 
+import granchain
+
 SMALL = {"name": "small", "chains": 1, "beads": 6, "kick": {"velocity": 1}, "duration": 30}
 LOADED = {"precompression": {"force": 3}, "walls": {"left": "bead", "right": "bead"}}
 SMOOTH = {
@@ -34,3 +36,9 @@ SMOOTH = {
 
 WITH_DERIVATIVES = ("lattice", "foundation in time", "resonators", "driven")
 """Scenes whose vectors are tested with what numbers change in their forces as a source."""
+
+
+def resolved(changes):
+    """The small scene with other keys, and without those of None; with its time step."""
+    scene = {key: value for key, value in {**SMALL, **changes}.items() if value is not None}
+    return granchain.load(scene).resolved()

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from chain_decks import chain_deck
 
 from lammps_inputs import InputError, Scene, library
 from lammps_inputs.decks import scene_files
@@ -66,14 +67,6 @@ def keys(scene: Scene) -> dict[str, Any]:
     """Plain data of a scene without what its deck does not state."""
     absent = ("name", "description", "output", "timestep", "accuracy")
     return {key: value for key, value in scene.plain().items() if key not in absent}
-
-
-def refused(text: str, folder: Path) -> str:
-    """The message about a deck."""
-    (folder / "in.chain").write_text(text)
-    with pytest.raises(InputError) as caught:
-        adopted(folder / "in.chain")
-    return str(caught.value)
 
 
 SCENES: dict[str, dict[str, Any]] = {
@@ -177,27 +170,6 @@ def test_what_is_no_chain_is_refused_line_by_line(name: str, lines: dict[int, st
         assert text in messages[number]
 
 
-BEADS = """
-units lj
-atom_style sphere
-boundary f f f
-comm_modify vel yes
-region box block -2 12 -2 2 -2 2
-create_box 1 box
-create_atoms 1 single 0 0 0
-create_atoms 1 single 1 0 0
-create_atoms 1 single 2 0 0
-set group all diameter 1
-set group all density 1
-pair_style gran/hertz/history 100 0 0 0 0 0
-pair_coeff * *
-fix move all nve
-set atom 1 vx 0.1
-timestep 0.001
-{}
-"""
-
-
 WALL = "fix w all wall/gran granular hertz 100 0 tangential linear_history 0 0 0 damping velocity xplane NULL 3"
 
 
@@ -220,7 +192,12 @@ WALL = "fix w all wall/gran granular hertz 100 0 tangential linear_history 0 0 0
 @pytest.mark.slow
 @pytest.mark.usefixtures("here")
 def test_other_motions_are_refused_with_their_lines(lines: str, message: str, tmp_path: Path) -> None:
-    assert message in refused(BEADS.format(lines), tmp_path)
+    text = f"fix move all nve\nset atom 1 vx 0.1\ntimestep 0.001\n{lines}"
+    pair = "gran/hertz/history 100 0 0 0 0 0"
+    deck = chain_deck(tmp_path / "in.chain", [0, 1, 2], text, box="-2 12 -2 2 -2 2", density="1", pair=pair)
+    with pytest.raises(InputError) as caught:
+        adopted(deck)
+    assert message in str(caught.value)
 
 
 @pytest.mark.slow
@@ -278,6 +255,7 @@ REFUSED = {"hammer-from-a-file", "landau-zener", "magnets", "plastic-contacts"}
 ALIKE = {"one-chain", "other-exponent", "three-chains", "two-chains-strong", "two-chains-gapped-strong"}
 ALIKE |= {"two-chains-steel", "coupled-from-row-41", "coupling-ramp", "heavy-impurity", "dimer", "graded-contacts"}
 ALIKE |= {"wall-reflection", "precompressed", "ring-of-three", "half-sine-push", "resonators", "cubic-coupling"}
+ALIKE |= {"drive-above-the-cut-off"}
 """Scenes with nothing that another, or one of the three above, has not."""
 
 

@@ -1,20 +1,8 @@
-"""Commands of a user's deck, and the text of the atoms of its chains."""
+"""Commands of a user's deck."""
 
-import numpy as np
 import pytest
 
-from lammps_inputs.deck_atoms import DeckAtoms
-from workflow.plugins.adopt.deck_text import logical_lines, refusal, words_of
-from workflow.plugins.adopt.scene_of import atoms_text
-
-
-def test_commands_keep_the_number_of_their_first_line_and_quoted_text_is_one_word() -> None:
-    text = 'units lj # "a"\n\npair_coeff * * &\n  hertz 1 0\nprint """a\nb"""\nvariable x string "# no comment"\n'
-    commands = list(logical_lines(text))
-    assert [number for number, _ in commands] == [1, 3, 5, 7]
-    assert commands[1][1].split() == ["pair_coeff", "*", "*", "hertz", "1", "0"]
-    assert commands[3][1] == 'variable x string "# no comment"'
-    assert words_of('if "a b" then \'run 1\' x """c "d" e"""') == ["if", "a b", "then", "run 1", "x", 'c "d" e']
+from workflow.plugins.adopt.deck_text import refusal, words_of
 
 
 @pytest.mark.parametrize(
@@ -32,12 +20,3 @@ def test_commands_keep_the_number_of_their_first_line_and_quoted_text_is_one_wor
 )
 def test_what_no_scene_has_is_refused_and_what_a_chain_needs_is_not(wrong: bool, commands: list[str]) -> None:
     assert [bool(refusal(words_of(command))) for command in commands] == [wrong] * len(commands)
-
-
-@pytest.mark.parametrize(
-    "atoms", [[1, 2, 3], [30, 29, 28, 2], [1, 3, 5, 7], [5, 1, 2, 3, 9], [8, 1], [58, 55, 52, 1], [4, 11, 2, 1]]
-)
-def test_atoms_are_those_of_their_text(atoms):
-    text = atoms_text(np.array(atoms))
-    assert DeckAtoms(deck="in.mine", axis="z", atoms=(text,), timestep=0.5).numbers.tolist() == [atoms]
-    assert len(text) <= len(",".join(map(str, atoms)))

@@ -2,51 +2,27 @@
 
 import re
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
+from chain_decks import chain_deck
 from processes import HANGS
 from stock_lammps import WHEEL
 
-from lammps_inputs import strict_yaml
-from workflow.cli import main
 from workflow.plugins.adopt.adopt import Adopted, RefusedDeckError, adopt
 from workflow.runs.run import run
 from workflow.verdicts.validate_against import validate_against
 
 pytestmark = pytest.mark.usefixtures("here")
 
-CHAIN = """
-units si
-atom_style sphere
-boundary f f f
-newton off
-comm_modify vel yes
-region box block {box}
-create_box 1 box
-{atoms}
-set group all diameter 0.01 density 2500
-pair_style gran/hertz/history 1e9 0 0 0 0 0
-pair_coeff * *
-{more}
-fix motion moving nve/sphere
-timestep 5e-7
-velocity {kicked}
-dump mine all {dump}
-run 600
-"""
-
-BOX = {
-    "x": "-0.2 0.2 -0.01 0.01 -0.01 0.01",
-    "y": "-0.01 0.01 -0.2 0.2 -0.01 0.01",
-    "z": "-0.01 0.01 -0.01 0.01 -0.2 0.2",
-}
+TOUCHING = [0.005 + 0.01 * n for n in range(8)]
 
 
 def deck(
     path: Path,
-    places: list[float],
+    places: Sequence[float] = TOUCHING,
     *,
     axis: str = "x",
     kicked: int = 1,
@@ -54,51 +30,31 @@ def deck(
     held: str = "",
     dump: str = "",
 ) -> Path:
-    """A deck of beads at places along an axis, atom after atom, one of which has a velocity."""
-    atoms = [" ".join(f"{place:.17g}" if letter == axis else "0" for letter in "xyz") for place in places]
+    """A deck of beads of which one has a velocity."""
     velocity = " ".join(f"{speed}" if letter == axis else "0" for letter in "xyz")
-    more = (
-        f"group ends id {held}\ngroup moving subtract all ends\nfix ends ends freeze"
-        if held
-        else "group moving union all"
+    box = " ".join("-0.2 0.2" if letter == axis else "-0.01 0.01" for letter in "xyz")
+    ends = f"group ends id {held}\ngroup moving subtract all ends\nfix ends ends freeze"
+    lines = (
+        f"{ends if held else 'group moving union all'}\nfix motion moving nve/sphere\ntimestep 5e-7\n"
+        f"group kicked id {kicked}\nvelocity kicked set {velocity}\n"
+        f"dump mine all {dump or f'custom 40 mine.dump id type {axis} v{axis}'}\nrun 600"
     )
-    text = CHAIN.format(
-        box=BOX[axis],
-        atoms="\n".join(f"create_atoms 1 single {atom}" for atom in atoms),
-        more=f"{more}\ngroup kicked id {kicked}",
-        kicked=f"kicked set {velocity}",
-        dump=dump or f"custom 40 mine.dump id type {axis} v{axis}",
-    )
-    path.write_text(text)
-    return path
+    steel = {"units": "si", "diameter": "0.01", "density": "2500", "pair": "gran/hertz/history 1e9 0 0 0 0 0"}
+    return chain_deck(path, places, lines, axis, box=box, **steel)
 
 
 def adopted(path: Path) -> Adopted:
     return adopt(path, None, [], 100.0)
 
 
-TOUCHING = [0.005 + 0.01 * n for n in range(8)]
-
+MANY_COLUMNS = "custom 40 mine.dump type x y z id vx vy vz fx diameter"
+MANY_DIGITS = "custom 40 mine.dump id x vx\ndump_modify mine format float %.17g\nreset_timestep 1000"
 CASES: dict[str, tuple[dict[str, Any], str, str]] = {
-    "scaled positions along y": ({"places": TOUCHING, "axis": "y", "dump": "atom 40 mine.dump"}, "y", "1-8"),
+    "scaled positions along y": ({"axis": "y", "dump": "atom 40 mine.dump"}, "y", "1-8"),
     "counted from the other end": ({"places": TOUCHING[::-1], "axis": "z"}, "z", "8-1"),
-    "held ends and many columns": (
-        {
-            **{"places": TOUCHING, "held": "1 8", "kicked": 2},
-            "dump": "custom 40 mine.dump type x y z id vx vy vz fx diameter",
-        },
-        "x",
-        "2-7",
-    ),
+    "held ends and many columns": ({"held": "1 8", "kicked": 2, "dump": MANY_COLUMNS}, "x", "2-7"),
     "any order": ({"places": [TOUCHING[k] for k in (3, 0, 7, 1, 2, 6, 4, 5)], "kicked": 2}, "x", "2,4-5,1,7-8,6,3"),
-    "another first step and seventeen digits": (
-        {
-            **{"places": TOUCHING, "held": "1", "kicked": 2},
-            "dump": "custom 40 mine.dump id x vx\ndump_modify mine format float %.17g\nreset_timestep 1000",
-        },
-        "x",
-        "2-8",
-    ),
+    "another first step and many digits": ({"held": "1", "kicked": 2, "dump": MANY_DIGITS}, "x", "2-8"),
 }
 
 
@@ -128,8 +84,8 @@ def test_the_dump_of_an_adopted_deck_is_the_run(name: str, tmp_path: Path) -> No
 
 @pytest.mark.slow
 def test_the_dump_of_another_kick_does_not_pass_and_is_named(tmp_path: Path) -> None:
-    read = adopted(deck(tmp_path / "in.mine", TOUCHING))
-    other = deck(tmp_path / "in.other", TOUCHING, speed=0.31)
+    read = adopted(deck(tmp_path / "in.mine"))
+    other = deck(tmp_path / "in.other", speed=0.31)
     run_lammps(other)
     found = validate_against(run(read.scene, tmp_path / "run", check=False).directory, tmp_path / "mine.dump")
     assert not found.passed
@@ -156,39 +112,23 @@ def test_a_scene_has_frames_in_which_waves_are_seen_however_seldom_the_deck_writ
     assert read.scene.problem().frames == 50
 
 
-def test_the_command_prints_and_stores_the_atom_of_each_bead(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = deck(tmp_path / "in.mine", TOUCHING[:5], axis="z", held="1 5", kicked=2)
-    assert main(["adopt", str(path), "-o", str(tmp_path / "mine.yaml")]) == 0
-    printed = capsys.readouterr().out.splitlines()
-    beads = ["chains along z: 1 of 3 beads", "beads 1 to 3 of chain 1 are the atoms 2-4"]
-    assert {*beads, "left wall: held atom 1", "right wall: held atom 5"} <= set(printed)
-    stored = strict_yaml.load(tmp_path / "mine.yaml")["adopted"]
-    assert (stored["axis"], stored["atoms"], stored["timestep"]) == ("z", ["2-4"], 5e-7)
-
-
-WALLED = """
-units lj
-atom_style sphere
-boundary f f f
-newton off
-comm_modify vel yes
-region box block 0 {width} -2 2 -2 2
-create_box 1 box
-create_atoms 1 single 1.0 0 0
-create_atoms 1 single 2.5 0 0
-set group all diameter 1 density 1.9098593171
-pair_style granular
-pair_coeff * * {pair} tangential linear_history 0 0 0 damping {damping}
-fix w all wall/gran granular {wall} tangential linear_history 0 0 0 damping {damping} xplane 0 {width}
-timestep 1e-3
-fix 1 all nve/sphere
-set atom 1 vx 0.97
-run {steps}
-"""
-
-LAWS = {"pair": "hooke 2000 12.0", "wall": "hooke 2000 12.0", "damping": "velocity", "width": 3.5, "steps": 6000}
+def walled(
+    path: Path,
+    *,
+    pair: str = "hooke 2000 12.0",
+    wall: str = "hooke 2000 12.0",
+    damping: str = "velocity",
+    width: float = 3.5,
+    steps: int = 6000,
+) -> Path:
+    """A deck of two beads between walls."""
+    more = f"tangential linear_history 0 0 0 damping {damping}"
+    lines = (
+        f"fix w all wall/gran granular {wall} {more} xplane 0 {width}\ntimestep 1e-3\nfix 1 all nve/sphere\n"
+        f"set atom 1 vx 0.97\nrun {steps}\nclear\nprint done"  # the last two move nothing
+    )
+    box = f"0 {width} -2 2 -2 2"
+    return chain_deck(path, [1.0, 2.5], lines, box=box, pair="granular", coefficients=f"{pair} {more}")
 
 
 @pytest.mark.slow
@@ -204,9 +144,8 @@ LAWS = {"pair": "hooke 2000 12.0", "wall": "hooke 2000 12.0", "damping": "veloci
     ],
 )
 def test_the_wall_and_the_law_that_differ_are_named(changes: dict[str, Any], says: list[str], tmp_path: Path) -> None:
-    (tmp_path / "in.walls").write_text(WALLED.format(**{**LAWS, **changes}))
     with pytest.raises(RefusedDeckError) as caught:
-        adopted(tmp_path / "in.walls")
+        adopted(walled(tmp_path / "in.walls", **changes))
     for text in says:
         assert any(text in line and "fix w all wall/gran" in line for line in caught.value.lines), caught.value.lines
 
@@ -216,8 +155,6 @@ def test_the_wall_and_the_law_that_differ_are_named(changes: dict[str, Any], say
 def test_walls_as_far_as_the_next_bead_are_read_and_those_that_are_not_reached_are_noted(
     width: float, steps: int, walls: set[str], tmp_path: Path
 ) -> None:
-    text = WALLED.format(**{**LAWS, "width": width, "steps": steps})
-    (tmp_path / "in.walls").write_text(text + "clear\nprint done\n")  # which move nothing
-    read = adopted(tmp_path / "in.walls")
+    read = adopted(walled(tmp_path / "in.walls", width=width, steps=steps))
     assert set(read.scene.plain()["walls"]) == walls
     assert bool([note for note in read.notes if "is left out: no bead reaches it" in note]) == (len(walls) == 1)

@@ -5,34 +5,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from chain_decks import chain_deck
 
 from lammps_inputs import library
 from lammps_inputs.decks import scene_files
 from workflow.plugins.adopt.adopt import Adopted, adopt
 from workflow.plugins.adopt.motions import GivenMotion
-
-CHAIN = """
-units lj
-atom_style sphere
-boundary f f f
-newton off
-comm_modify vel yes
-region box block -5 40 -2 2 -2 2
-create_box 1 box
-variable i loop {beads}
-label more
-variable x equal 0.5+{spacing}*(${{i}}-1)
-create_atoms 1 single ${{x}} 0 0
-next i
-jump SELF more
-set type 1 diameter 1 density 1.9098593171
-pair_style gran/hertz/history 2000 0 0 0 0 0
-pair_coeff * *
-timestep 1e-3
-group first id 1
-group others subtract all first
-{lines}
-"""
 
 WALL = "fix w all wall/gran hertz/history 2000 0 0 0 0 0 xplane"
 
@@ -49,9 +27,10 @@ fix p first move variable NULL NULL NULL v_v NULL NULL"""
 pytestmark = pytest.mark.usefixtures("here")
 
 
-def read(folder: Path, lines: str, spacing: float = 1.0, beads: int = 8) -> Adopted:
-    (folder / "in.chain").write_text(CHAIN.format(lines=lines, spacing=spacing, beads=beads))
-    return adopt(folder / "in.chain", None, [], 100.0)
+def read(folder: Path, lines: str, spacing: float = 1.0) -> Adopted:
+    lines = f"timestep 1e-3\ngroup first id 1\ngroup others subtract all first\n{lines}"
+    deck = chain_deck(folder / "in.chain", [0.5 + spacing * bead for bead in range(8)], lines)
+    return adopt(deck, None, [], 100.0)
 
 
 MOVED: dict[str, tuple[str, dict[str, Any]]] = {

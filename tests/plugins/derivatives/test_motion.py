@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from smooth_scenes import SMALL, SMOOTH
+from smooth_scenes import SMOOTH, resolved
 
 import granchain
 from workflow.engines.reference import engine
@@ -18,11 +18,6 @@ FIELDS = {
 }
 
 
-def resolved(changes):
-    scene = {key: value for key, value in {**SMALL, **changes}.items() if value is not None}
-    return granchain.load(scene).resolved().plain()
-
-
 def beside(scene, name, share):
     """Problem of a scene with a number that is off by a share of it, and by how much."""
     value = fields.look_up(scene, fields.parse(name, scene))
@@ -36,7 +31,7 @@ def sides_of(scene, name):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", FIELDS)
 def test_derivatives_are_those_of_the_computed_motion(kind):
-    scene = resolved({**SMOOTH[kind], "duration": 10})
+    scene = resolved({**SMOOTH[kind], "duration": 10}).plain()
     problem = granchain.load(scene).problem()
     steps = engine.default_steps_per_frame(problem)
     motion = derivatives_of_motion(problem, [sides_of(scene, name) for name in FIELDS[kind]], steps)

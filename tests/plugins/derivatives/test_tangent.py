@@ -4,22 +4,16 @@ from contextlib import nullcontext
 
 import numpy as np
 import pytest
-from smooth_scenes import SMALL, SMOOTH, WITH_DERIVATIVES
+from smooth_scenes import SMOOTH, WITH_DERIVATIVES, resolved
 
-import granchain
 from granchain import InputError
 from workflow.engines.reference.schemes import BLANES_MOAN, VERLET
 from workflow.plugins.derivatives import tangent
 
 
-def problem_of(changes):
-    scene = {key: value for key, value in {**SMALL, **changes}.items() if value is not None}
-    return granchain.load(scene).resolved().problem()
-
-
-def moved_by(problem, change, steps, step, scheme):
+def moved_by(problem, change, steps, step):
     """State after some steps from the start, changed, [displacement or velocity, line, bead]."""
-    flow = tangent.make_flow(problem, 0, step, scheme)
+    flow = tangent.make_flow(problem, 0, step)
     flow.state.x[1:-1] += change[0].T
     flow.state.v[1:-1] += change[1].T
     flow.advance(0, steps)
@@ -34,21 +28,10 @@ def random_vectors(flow, count):
     return vectors
 
 
-QUICK = ("coupled",)
-"""Others are slow, as each is compiled."""
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "changes",
-    [
-        pytest.param(changes, id=name, marks=() if name in QUICK else pytest.mark.slow)
-        for name, changes in SMOOTH.items()
-        if name not in WITH_DERIVATIVES
-    ],
-)
-def test_vectors_are_the_derivative_of_the_computed_map(changes):
-    problem, step, steps = problem_of(changes), 0.04, 300
+@pytest.mark.parametrize("name", [name for name in SMOOTH if name not in WITH_DERIVATIVES])
+def test_vectors_are_the_derivative_of_the_computed_map(name):
+    problem, step, steps = resolved(SMOOTH[name]).problem(), 0.04, 300
     flow = tangent.make_flow(problem, 1, step)
     vectors = random_vectors(flow, 1)
     flow.put(vectors)
@@ -56,11 +39,7 @@ def test_vectors_are_the_derivative_of_the_computed_map(changes):
     # central differences at e and e / 2, extrapolated: errors of order e^4 and of rounding, 1e-16 / e
     small = 2e-4
     first, second = (
-        (
-            moved_by(problem, e * vectors[0], steps, step, BLANES_MOAN)
-            - moved_by(problem, -e * vectors[0], steps, step, BLANES_MOAN)
-        )
-        / (2 * e)
+        (moved_by(problem, e * vectors[0], steps, step) - moved_by(problem, -e * vectors[0], steps, step)) / (2 * e)
         for e in (small, small / 2)
     )
     expected = (4 * second - first) / 3
@@ -70,9 +49,8 @@ def test_vectors_are_the_derivative_of_the_computed_map(changes):
 @pytest.mark.slow
 @pytest.mark.parametrize("scheme", [BLANES_MOAN, VERLET], ids=lambda scheme: scheme.name)
 def test_conservative_flow_keeps_areas_in_phase_space(scheme):
-    flow = tangent.make_flow(
-        problem_of({"chains": 2, "coupling": {"stiffness": 0.2}, "disorder": {"mass": 0.3, "seed": 1}}), 2, 0.05, scheme
-    )
+    pair = {"chains": 2, "coupling": {"stiffness": 0.2}, "disorder": {"mass": 0.3, "seed": 1}}
+    flow = tangent.make_flow(resolved(pair).problem(), 2, 0.05, scheme)
     flow.put(random_vectors(flow, 2))
 
     def area():
@@ -100,4 +78,4 @@ def test_conservative_flow_keeps_areas_in_phase_space(scheme):
 def test_systems_whose_forces_jump_are_refused_and_no_others(changes, reason):
     refused = pytest.raises(InputError, match=reason) if reason else nullcontext()
     with refused:
-        tangent.make_flow(problem_of(changes), 1, 0.05)
+        tangent.make_flow(resolved(changes).problem(), 1, 0.05)

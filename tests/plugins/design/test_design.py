@@ -181,14 +181,6 @@ def test_members_of_the_ensemble_that_fail_or_do_not_keep_a_limit_are_counted_an
     assert found.plain()["manufacture"]["refused"] == found.plain()["manufacture"]["undefined"] == 10
 
 
-def test_tables_of_designs_name_units_in_si(tmp_path):
-    steel = {"radius": 0.005, "density": 8000.0, "youngs_modulus": 2e11, "poisson_ratio": 0.3}
-    design = file.load(written(tmp_path, scene={**SCENE, "material": steel}, beside=None, also=["agree_10", "mass"]))
-    headings = [design.heading(name) for name in ("coupling.stiffness", "beads", *design.names)]
-    assert headings == ["coupling.stiffness (N/m)", "beads", "wall_force (N)", "mass (kg)", "agree_10"]
-    assert file.load(written(tmp_path)).heading("mass") == "mass"
-
-
 def test_where_nothing_fits_the_reason_is_said(tmp_path, capsys):
     path = written(tmp_path, where={"mass": {"from": 1000}})
     assert main(["design", str(path), "-o", str(tmp_path / "d"), "--jobs", "1"]) == 2
@@ -209,38 +201,24 @@ def test_coordinates_stand_for_values(variable, coordinates, value):
     assert variable.value(coordinates) == value
 
 
-PAIR = {"chains": 2, "beads": 60, "coupling": {"stiffness": 0.3}, "kick": {"velocity": 1}, "duration": 90}
-OF_WAVES = ("amplitude", "agree_10", "agree_1", "synchronised_1", "beat_length", "energy_share")
-DIMER = {
-    "beads": 30,
-    "kinds": {"a": {}, "b": {"mass": 0.6}},
-    "pattern": ["a", "b"],
-    "kick": {"velocity": 1},
-    "duration": 40,
-}
-YIELDING = {"beads": 12, "contact": {"yield": {"overlap": 0.2}}, "kick": {"velocity": 1}, "duration": 20}
+DIMER = {"kinds": {"a": {}, "b": {"mass": 0.6}}, "pattern": ["a", "b"]}
+YIELDING = {"contact": {"yield": {"overlap": 0.2}}}
 
 
 @pytest.mark.parametrize(
     ("changes", "names"),
-    [
-        (PAIR, (*OF_WAVES, "delay", "transmitted_energy")),
-        (DIMER, ("residual_energy", "peak_velocity@20")),
-        (YIELDING, ("permanent", "dissipated")),
-    ],
-    ids=["waves", "cells", "yielding"],
+    [(DIMER, ("residual_energy", "peak_velocity@20")), (YIELDING, ("permanent", "dissipated"))],
+    ids=["cells", "yielding"],
 )
-def test_quantities_are_those_of_an_analysis(changes, names, tmp_path):
-    """What only some runs have, too."""
-    plain = {"name": "scene", **changes}
+def test_quantities_that_only_some_runs_have_are_those_of_an_analysis(changes, names, tmp_path):
+    plain = {"name": "scene", "beads": 30, "kick": {"velocity": 1}, "duration": 40, **changes}
     values = of_scene(plain, names, "scene")
     run(library.from_plain(plain, "scene"), tmp_path / "r", engine="reference")
     assert main(["analyze", str(tmp_path / "r"), "--no-figures"]) == 0
     row = collect(tmp_path, [name for name in names if "@" in name]).rows[0]
-    for name in names:
-        assert values[name] is not None
-        # read between frames at times of other rounding
-        assert values[name] == pytest.approx(row[name], rel=1e-9), name
+    # read between frames at times of other rounding
+    assert values == pytest.approx({name: row[name] for name in names}, rel=1e-9)
+    assert None not in values.values()
 
 
 BETWEEN = {

@@ -2,15 +2,12 @@
 
 import time
 
-import numpy as np
 import pytest
 
 import granchain
 from lammps_inputs import InputError
 from lammps_inputs.installed_scenes import installed
-from workflow.engines.reference.step_halving import StepHalving
 from workflow.plugins.explore.compute import computed
-from workflow.plugins.explore.picture import Picture
 from workflow.plugins.explore.scene_numbers import numbers_of, read, slider_range, written
 from workflow.sweep import fields
 
@@ -52,17 +49,6 @@ def test_a_slider_goes_from_0_to_three_times_the_value_within_the_bounds_of_the_
     assert (area.start, area.end, area.step) == pytest.approx(ends)
 
 
-@pytest.mark.slow
-def test_what_is_shown_of_a_scene_is_the_run_of_the_reference():
-    scene = granchain.load(SCENE)
-    result = computed(scene)
-    halving = StepHalving(scene.problem())
-    waves = halving.run()
-    assert result.uncertainty == waves.velocity
-    velocity = np.concatenate([block.velocity[:, 1] for block in halving.blocks()])
-    np.testing.assert_array_equal(result.part.velocity[1], velocity)
-
-
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
@@ -77,20 +63,3 @@ def test_what_cannot_be_computed_at_once_is_refused_before_it_is_tried(changes, 
     with pytest.raises(InputError, match=says):
         computed(scene)
     assert time.perf_counter() - started < 30.0  # days of work were asked for
-
-
-@pytest.mark.parametrize(
-    ("changes", "renewed"),
-    [
-        ({"coupling.stiffness": 0.11}, True),
-        ({"beads": 21}, False),
-    ],
-)
-def test_a_picture_shows_another_result_of_the_same_chains_and_beads_in_the_same_plots(changes, renewed):
-    picture = Picture(computed(granchain.load(SCENE)))
-    result = computed(granchain.load(SCENE, changes))
-    assert picture.renew(result) is renewed
-    if renewed:
-        peaks = picture.root.select_one({"name": "peaks"}).renderers[1].data_source.data["y"]
-        waves = result.survey.waves.of_chain(2)
-        np.testing.assert_array_equal(peaks[waves.bead - 1], waves.peak_velocity)

@@ -39,24 +39,6 @@ def expected(run, frame):
     return x.ravel(), frames.velocity[frame].ravel(), problem.layout.apart((0, 1))
 
 
-@pytest.mark.slow
-def test_the_file_for_ovito_holds_radii_bonds_velocities_and_times(run_of, tmp_path):
-    hoomd = pytest.importorskip("gsd.hoomd", reason="gsd is not installed (granchain[export])")
-    run = run_of("coupled")
-    [path] = granchain.export(run, "ovito", tmp_path)
-    x, v, apart = expected(run, 50)
-    with hoomd.open(str(path), "r") as file:
-        assert len(file) == run.trajectory.frames
-        frame = file[50]
-    position = frame.particles.position
-    np.testing.assert_allclose(position[:, 0] - position[0, 0], x - x[0], atol=1e-6 * x.max())
-    np.testing.assert_allclose(position[12:, 1] - position[:12, 1], apart)
-    np.testing.assert_allclose(frame.particles.velocity[:, 0], v, atol=1e-7)
-    assert np.all(frame.particles.diameter == run.directory.problem.layout.diameter)
-    assert frame.bonds.group.tolist() == SPRINGS
-    assert frame.log["Time"] == run.trajectory.time[50]
-
-
 def test_beads_have_their_relative_radii_and_resonators_are_small(run_of, tmp_path):
     hoomd = pytest.importorskip("gsd.hoomd", reason="gsd is not installed (granchain[export])")
     for name in ("tapered-chain", "resonators"):

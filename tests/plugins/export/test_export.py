@@ -7,7 +7,7 @@ import pytest
 from refusals import refusal
 
 import granchain
-from lammps_inputs import InputError, file_names
+from lammps_inputs import file_names
 from workflow.cli import main
 from workflow.runs.files import RECORD
 
@@ -54,11 +54,3 @@ def test_an_interruption_leaves_neither_a_file_nor_part_of_one(run, tmp_path, mo
     monkeypatch.setattr("workflow.plugins.export.atoms._vmd_tail", interrupt)
     assert main(["export", str(run), "--to", "vmd", "-o", str(tmp_path / "out")]) == 130
     assert list((tmp_path / "out").iterdir()) == []
-
-
-def test_the_dataset_of_a_run_without_xarray_is_refused_in_one_line(run, monkeypatch):
-    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
-    with pytest.raises(
-        InputError, match=r"^dataset: needs xarray, not installed here; `pip install 'granchain\[export"
-    ):
-        _ = granchain.open(run).dataset

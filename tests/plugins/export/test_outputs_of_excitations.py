@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from plug_ins import needs
 
-from lammps_inputs import InputError, Scene
+from lammps_inputs import Scene
 from lammps_inputs.library import from_plain
 from workflow.cli import main
 from workflow.runs.run import prepare_run, run_prepared
@@ -24,15 +24,6 @@ LATE = {"spectra": {"beads": [2, 11], "after": 0}}
 EVERYTHING = {"output": {"forces": {"wall": True, "contacts": [3], "sensors": [5]}, **LATE}, **WALLS}
 CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "kick, window": ("lammps", {"kick": {"velocity": 1.0}, "beads": 100, "window": 64, "duration": 60}),
-    "kick, column, forces of recorded beads": (
-        "reference",
-        {
-            "kick": {"velocity": 0.1},
-            "gravity": 0.02,
-            "walls": {"right": "bead"},
-            "output": {"beads": [4, 5, 6], "forces": {"contacts": [5], "sensors": [5]}},
-        },
-    ),
     "kick back, resonators, spectra of one recorded bead": (
         "reference",
         {
@@ -41,7 +32,6 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
             "output": {"beads": [6], "spectra": {"beads": [6]}},
         },
     ),
-    "striker, everything": ("reference", {"striker": {"mass": 2.0, "velocity": 1.0}, **EVERYTHING}),
     "two pushes, loaded chains, everything": (
         "lammps",
         {
@@ -57,7 +47,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
         {"kick": {"bead": 3, "velocity": 0.5}, "drive": [MOVED, FORCED], **LOAD, **EVERYTHING},
     ),
 }
-"""Engine and keys: each excitation once, each kind of output, each engine."""
+"""Engine and keys: kicks, pushes and drives, each kind of output, each engine."""
 
 
 def case_of(keys: dict[str, Any]) -> Scene:
@@ -76,8 +66,3 @@ def test_what_a_scene_accepts_is_run_analysed_shown_and_exported(name: str, tmp_
     for command in ("analyze", "view"):
         assert main([command, str(directory)]) == 0, command
     assert main(["export", str(directory), "--to", "csv,netcdf,ovito,vmd"]) == 0
-
-
-def test_a_window_does_not_go_with_drives() -> None:
-    with pytest.raises(InputError, match=r"^case: .*; leave"):
-        case_of({"drive": [MOVED, FORCED], **LOAD, "beads": 100, "window": 64, "duration": 60})

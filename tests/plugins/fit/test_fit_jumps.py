@@ -13,26 +13,26 @@ NOISE = 0.03
 JUMP = 0.4
 
 
+def smooth(p):
+    """A decaying oscillation, [row, channel]."""
+    return (np.exp(-0.2 * np.exp(p[0]) * TIME) * np.sin(2.0 * np.exp(p[1]) * TIME))[:, np.newaxis]
+
+
 def trace(p):
-    """A decaying oscillation that jumps at two instants, which the second parameter moves, [row, channel]."""
-    rate, late = np.exp(p[0]), 4.0 * np.exp(p[1])
-    jumps = JUMP * ((late < TIME).astype(float) - (1.7 * late < TIME))
-    return (np.exp(-0.2 * rate * TIME) * np.sin(2.0 * np.exp(p[1]) * TIME) + jumps)[:, np.newaxis]
+    """The same, that jumps at two instants, which the second parameter moves."""
+    late = 4.0 * np.exp(p[1])
+    return smooth(p) + JUMP * ((late < TIME).astype(float) - (1.7 * late < TIME))[:, np.newaxis]
 
 
 def slopes(p, step=1e-4):
-    steps = step * np.eye(2)
     middle = trace(p)
-    return np.stack([derivative_beside_jumps(trace(p + h) - middle, middle - trace(p - h), step) for h in steps], -1)
+    pairs = ((trace(p + h) - middle, middle - trace(p - h)) for h in step * np.eye(2))
+    return np.stack([derivative_beside_jumps(*pair, step) for pair in pairs], -1)
 
 
 def smooth_slopes(p, step=1e-5):
     """Derivatives of the trace without its jumps."""
-
-    def smooth(q):
-        return np.exp(-0.2 * np.exp(q[0]) * TIME) * np.sin(2.0 * np.exp(q[1]) * TIME)
-
-    return np.stack([(smooth(p + h) - smooth(p - h)) / (2.0 * step) for h in step * np.eye(2)], -1)[:, np.newaxis]
+    return np.stack([(smooth(p + h) - smooth(p - h)) / (2.0 * step) for h in step * np.eye(2)], -1)
 
 
 @pytest.mark.parametrize("late", np.log(TIME[90:100:3] / 4.0) + 5e-5)
@@ -62,13 +62,8 @@ def test_values_jump_where_an_instant_passes_them_within_two_standard_errors_and
 
 
 def test_a_smooth_model_does_not_jump_however_uncertain_its_parameters():
-    def smooth(q):
-        return (np.exp(-0.2 * np.exp(q[0]) * TIME) * np.sin(2.0 * np.exp(q[1]) * TIME))[:, np.newaxis]
-
-    covariance = np.diag([10.0, 10.0])
-    assert not jumping(smooth, np.zeros(2), covariance, np.array([NOISE])).any()
-    undetermined = np.array([[np.inf, np.nan], [np.nan, 1e-4]])
-    assert not jumping(smooth, np.zeros(2), undetermined, np.array([NOISE])).any()
+    for covariance in (np.diag([10.0, 10.0]), np.array([[np.inf, np.nan], [np.nan, 1e-4]])):
+        assert not jumping(smooth, np.zeros(2), covariance, np.array([NOISE])).any()
 
 
 @pytest.mark.slow

@@ -99,9 +99,9 @@ VOLTS = {"CH1": (25.0, 8.0), "CH2": (-40.0, 2.0)}
 COLUMNS = "time=TIME,force_wall_right (V)=CH1,force_contact_10 (V)=CH2"
 
 
-def scope(directory, noise=0.02):
+def scope(directory):
     """A scope's file of the right wall and contact 10, made of the forces of `measured`."""
-    table = measured.table(directory / "newton.csv", noise=noise, names=measured.NAMES[:2])
+    table = measured.table(directory / "newton.csv", names=measured.NAMES[:2])
     time, *forces = np.loadtxt(table, delimiter=",", skiprows=1, unpack=True)
     signals = [force / gain + baseline for force, (gain, baseline) in zip(forces, VOLTS.values(), strict=True)]
     rows = "".join(f"{1e6 * t:.1f},{a:.6f},{b:.6f}\r\n" for t, a, b in zip(time, *signals, strict=True))

@@ -92,7 +92,3 @@ def test_relative_modes_of_touching_arrays_decay_and_beat_as_closed_forms_say(gr
 )
 def test_the_slowest_mode_is_that_which_the_kicks_excite(graph, kicked, slowest, spread):
     assert graph.slowest(kicked) == pytest.approx((slowest, spread), abs=1e-9)
-
-
-def test_a_column_of_numbers_has_empty_cells_where_they_are_undefined():
-    assert gapped_pairs.table(("a", "b"), [(0.1, None), (math.nan, 3)]) == "a,b\n0.1,\n,3\n"

@@ -6,27 +6,16 @@ import math
 import re
 
 import pytest
-from matplotlib.figure import Figure
 
 from lammps_inputs import references
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
-from workflow.plugins.gallery.statements import FAILS, HOLDS, SECTION, Section, Statement, files_of, kept, render
-from workflow.study_kit.page import drawn
+from workflow.plugins.gallery.statements import FAILS, HOLDS, Section, Statement, render
 
 STATEMENTS = [
     Statement("fast", "rosas2007, abstract", "", ["1"], HOLDS),
     Statement("<b>", "", "slow", ["<i>"], FAILS, "not so"),
 ]
 SOME = Section("Waves", "of <beads>", STATEMENTS, notes=["read"], sources={"rosas2007": "abstract read"})
-
-
-def test_a_section_that_was_kept_is_the_same_again(tmp_path):
-    section = Section("Waves", "of beads", STATEMENTS, [drawn("one", Figure((1, 1)), "none")], ["read"])
-    for name, content in files_of(section).items():
-        (tmp_path / name).write_bytes(content if isinstance(content, bytes) else content.encode())
-    assert kept(tmp_path) == section
-    (tmp_path / SECTION).write_text('{"title": 1}')  # damaged
-    assert kept(tmp_path) is None
 
 
 def test_a_page_counts_verdicts_ends_with_references_and_versions_and_takes_no_markup():

@@ -6,12 +6,7 @@ import pytest
 
 from lammps_inputs import library, references
 from lammps_inputs.ingredients.registry import INGREDIENTS
-from lammps_inputs.scene import Scene
 from workflow.plugins.help import handbook
-
-
-def test_every_key_of_a_scene_has_a_section():
-    assert set(Scene.model_fields) - set(handbook.keys()) == set()
 
 
 def test_keys_symbols_and_terms_are_explained_and_what_is_none_is_not(golden):

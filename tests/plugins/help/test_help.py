@@ -85,18 +85,6 @@ def test_a_near_miss_is_suggested_whatever_kind_of_word_it_is(word, capsys):
         assert f"did you mean `{word.lstrip('-')}" in capsys.readouterr().err
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", NAMES)
-def test_every_near_miss_is_explained_or_suggested(kind, capsys):
-    bare = []
-    for word in dict.fromkeys(name.lstrip("-") for name in NAMES[kind] if len(name) > 5):
-        try:
-            explanation(near(word), capsys)
-        except InputError as error:
-            bare += [word] * ("did you mean" not in str(error))
-    assert bare == []
-
-
 def said(capsys, *words):
     assert main(list(words)) == 0
     return capsys.readouterr().out

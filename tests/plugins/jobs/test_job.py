@@ -99,10 +99,10 @@ def go(directory, **environment):
     return output.read_text().removeprefix(before)
 
 
-def stop(directory, computing=None, **environment):
-    """Run the script, and signal as Slurm does that its time limit is near, when it computes in some directory."""
+def stop(directory, **environment):
+    """Run the script, and signal as Slurm does that its time limit is near, when it computes."""
     with job_of(directory, **environment) as process:
-        assert wait_until((computing or directory).joinpath(job_files.FLAG).exists, process)
+        assert wait_until(directory.joinpath(job_files.FLAG).exists, process)
         process.send_signal(signal.SIGUSR1)
         process.wait(HANGS)
 
@@ -276,15 +276,14 @@ def requests(script):
     return [word for line in re.findall("(?m)^#SBATCH --(.*)", script) for word in line.split(" --")]
 
 
-@pytest.mark.parametrize(("time", "seconds"), [("1-12:30:05", 131405)])
-def test_where_slurm_does_not_tell_the_end_of_a_job_its_time_limit_does(time, seconds, tmp_path):
-    directory = placed(scene(beads=4), tmp_path / "job", time=time, lmp="/nowhere/lmp")
+def test_where_slurm_does_not_tell_the_end_of_a_job_its_time_limit_does(tmp_path):
+    directory = placed(scene(beads=4), tmp_path / "job", time="1-12:30:05", lmp="/nowhere/lmp")
     (tmp_path / "date").write_text(
         f'#!/bin/sh\n[ "$*" != +%s ] || exec echo 1000000\nexec {shutil.which("date")} "$@"\n'
     )
     (tmp_path / "date").chmod(0o755)
     go(directory, PATH=f"{tmp_path}:{os.environ['PATH']}")
-    assert datetime.fromisoformat(state(directory)[5]).timestamp() == 1_000_000 + seconds
+    assert datetime.fromisoformat(state(directory)[5]).timestamp() == 1_000_000 + 131405
 
 
 @pytest.mark.parametrize("option", ["time", "partition", "account", "qos", "constraint", "modules"])

@@ -5,7 +5,6 @@ import re
 import pytest
 from bad_scenes import scene_text
 from plug_ins import needs
-from refusals import refusal
 from stock_lammps import scene
 
 from lammps_inputs import file_names
@@ -109,13 +108,6 @@ def test_a_site_sets_the_limit_where_the_scene_names_none(of_site, of_scene, cod
     monkeypatch.setenv(site.VARIABLE, str(tmp_path / "site.yaml"))
     (tmp_path / "scene.yaml").write_text(scene_text(**of_scene))
     assert main(["run", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "out"), "--no-check"]) == code
-
-
-@pytest.mark.usefixtures("small_limits")
-def test_a_refusal_names_the_file_of_the_site_too(tmp_path, capsys):
-    (tmp_path / "scene.yaml").write_text(scene_text())
-    said = refusal(["run", tmp_path / "scene.yaml", "-o", tmp_path / "o"], capsys)
-    assert "` in the scene or in ~/.config/granchain/site.yaml" in said
 
 
 @pytest.mark.parametrize(

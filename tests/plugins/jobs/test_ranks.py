@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from small_problems import problem
 from stock_lammps import WHEEL, scene
 
-from lammps_inputs import file_names, find
+from lammps_inputs import file_names
 from lammps_inputs.decks import continuation, scene_files
 from lammps_inputs.numbers import time_text
 from workflow.cost_model import MESSAGES, bead_seconds, cost
@@ -24,12 +24,6 @@ print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)
 
 def many(beads, coupled=True, chains=100):
     return problem(chains=chains, beads=beads // chains, kappa=0.1 if coupled else 0.0)
-
-
-@pytest.mark.parametrize("name", ["two-chains", "three-chains", "two-chains-gapped"])
-def test_the_scenes_of_the_paper_are_too_small_for_a_second_rank(name):
-    case = find(name).model_copy(update={"until_bead": None, "duration": 1.0})
-    assert ranks.advised(case.problem(), 64) == 1
 
 
 @pytest.mark.slow

@@ -246,34 +246,6 @@ def test_the_command_writes_tables_arrays_and_figures(tmp_path, capsys):
     assert "states of this branch are stable" in capsys.readouterr().out
 
 
-def checked(folder, *options):
-    """What the command writes of the states of a mode, and of LAMMPS on some of them, by the states' numbers."""
-    path, out = folder / "scene.yaml", folder / f"out{len(options)}"
-    path.write_text(json.dumps(FOUR))
-    assert main(["modes", str(path), "--mode", "3", *options, "-o", str(out)]) == 0
-    with (out / "states.csv").open() as file, (out / "lammps.csv").open() as checks:
-        states, lines = ({line["state"]: line for line in csv.DictReader(table)} for table in (file, checks))
-    return states, lines
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("pool_here")
-def test_lammps_agrees_with_states_of_all_energies_and_their_stability(tmp_path):
-    states, lines = checked(tmp_path, "--energy", "0.05", "--points", "40", "--at-energy", "0.001,0.01,0.03,0.045")
-    assert len(lines) == 6  # with the end of the branch, and behind its change of stability
-    for number, line in lines.items():
-        state = states[number]
-        size = np.sqrt(float(state["energy"]))
-        assert float(line["velocity_finer"]) < 1e-4 * size
-        if state["stable"] == "yes":
-            assert float(line["later"]) < 0.05 * size  # a hundred times the error of a period
-        elif line["growth"]:
-            assert float(line["growth"]) == pytest.approx(float(line["predicted"]), rel=1e-2)
-    states, lines = checked(tmp_path, "--energy", "0.05", "--points", "3", "--every-state")
-    assert list(lines) == list(states)
-    assert len(lines) == 3
-
-
 def test_linear_modes_alone_are_those_of_touching_chains_across_and_write_no_empty_table(tmp_path, capsys):
     path, out = tmp_path / "scene.yaml", tmp_path / "out"
     scene = {key: value for key, value in FOUR.items() if key not in ("precompression", "foundation")}

@@ -27,10 +27,10 @@ def curve_of(scene, low, high, further=()):
     return scale, response.computed(scene, "scene", (low, high), 400, further, 10)
 
 
-def response_of(scene, frequency, steps=512):
-    """Shooting with so many steps, and the response near the linear one at a frequency of the scene."""
+def response_of(scene, frequency):
+    """Shooting, and the response near the linear one at a frequency of the scene."""
     problem = tangent.problem_of(scene, "scene")
-    solver = response.DrivenShooting(problem, steps, 2.0 * math.pi * frequency * problem.scale.time, 1.0)
+    solver = response.DrivenShooting(problem, 512, 2.0 * math.pi * frequency * problem.scale.time, 1.0)
     corrected = solver.linear(1.0 / (frequency * problem.scale.time))
     assert corrected is not None
     return solver, corrected.state

@@ -42,11 +42,11 @@ STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_r
 # --- runs made by hand ------------------------------------------------------------------------------------------------
 
 
-def hit(chains=2, duration=4.0, kappa=0.1, material=None, **changes):
+def hit(chains=2, duration=4.0, material=None, **changes):
     """A problem of chains of six beads, hit with 0.5 (m/s); duration and coupling in units of T and of the contacts."""
     kick = (Kick(velocity=0.5),)
     unit = scene(chains=chains, kick=kick, material=material).scale
-    coupling = {"kappa": kappa * unit.stiffness} if chains > 1 else {}
+    coupling = {"kappa": 0.1 * unit.stiffness} if chains > 1 else {}
     options = {"beads": 6, "material": material, "duration": duration * unit.time, **coupling, **changes}
     return scene(chains=chains, kick=kick, **options).problem()
 
@@ -285,21 +285,6 @@ def test_a_page_says_in_numbers_what_analyze_prints(page, capsys):
 def test_pages_without_bokeh_are_refused_in_one_line(tmp_path, monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "bokeh", None)
     assert "pip install" in refusal(["view", tmp_path], capsys)
-
-
-@pytest.mark.parametrize(
-    ("engine", "says"),
-    [
-        ("reference", "computed by the reference integrator"),
-        pytest.param("lammps", "computed by LAMMPS 2", marks=pytest.mark.slow),
-    ],
-)
-def test_a_page_says_which_engine_computed_the_run_and_states_the_verdict_as_it_is(engine, says, tmp_path):
-    scene = {**SCENE, "beads": 3, "foundation": {"stiffness": 1.0}, "duration": 5.0}
-    text = granchain.run(scene, tmp_path / "run", engine=engine, check=False).view().path.read_text()
-    assert says in text
-    assert "<p>Equipartition does not apply: no" in text
-    assert ("A. P. Thompson" in text) == (engine == "lammps")
 
 
 @pytest.mark.slow

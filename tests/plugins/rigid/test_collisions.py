@@ -261,13 +261,6 @@ def test_the_scale_of_time_and_length_does_not_matter():
     assert np.array_equal(stiff.row, soft.row)
 
 
-@pytest.mark.slow
-def test_two_runs_are_the_same_bit_for_bit():
-    problem = rigid_problem(3, 50, random_kicks(3, 50, 4), duration=30.0)
-    for first, second in zip(vars(run(problem)).values(), vars(run(problem)).values(), strict=True):
-        assert np.array_equal(first, second)
-
-
 # --- sampling ---------------------------------------------------------------------------------------------------------
 
 

@@ -44,14 +44,6 @@ def test_without_springs_beads_leave_sorted_after_as_many_collisions_as_inversio
 
 
 @pytest.mark.slow
-def test_chains_without_springs_do_not_know_of_each_other():
-    together = run(rigid_problem(2, 10, [(1, 1, 1.0), (2, 1, -0.5), (2, 10, -1.0)], kappa=0.0))
-    assert np.array_equal(together.row[together.chain == 1], np.arange(1, 10))
-    np.testing.assert_allclose(together.time[together.chain == 1], np.arange(1.0, 10.0), rtol=1e-15)
-    assert np.array_equal(together.row[together.chain == 2], np.arange(9, 1 - 1, -1))
-
-
-@pytest.mark.slow
 def test_an_exact_graze_exchanges_nothing():
     # chain 1 swings by sin(omega t) / omega and just reaches the next bead, without speed, again and again
     kicks = [(1, 1, 1.0), (2, 1, -1.0)]
@@ -60,15 +52,6 @@ def test_an_exact_graze_exchanges_nothing():
         assert len(run(rigid_problem(kicks=kicks, kappa=kappa, gap=reach * (1.0 + 1e-15), duration=1000.0))) == 0
         first = run(rigid_problem(kicks=kicks, kappa=kappa, gap=reach * (1.0 - 1e-10), duration=1000.0), max_events=1)
         assert first.impulse[0] == pytest.approx(math.sqrt(2e-10), rel=1e-4)
-
-
-@pytest.mark.slow
-def test_beads_left_touching_at_rest_stay_at_rest():
-    """The orbit theta = pi / 2 leaves every row at rest, in contact with the next in both chains."""
-    gap = math.pi / 2.0 * (1.0 + 4.0 * np.finfo(float).eps)
-    found = run(rigid_problem(beads=12, gap=gap, duration=500.0))
-    assert len(found) == 11
-    np.testing.assert_allclose(sample(found, np.array([500.0])).velocity[0, :, :11], 0.0, rtol=0, atol=1e-13)
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from ingredient_scenes import STEEL
 from stock_lammps import scene
 
 from analysis.shape.unit_cell import UnitCell
@@ -13,8 +14,6 @@ from workflow.plugins.sound import measure as sound
 from workflow.plugins.sound.dispersion import Map
 from workflow.plugins.sound.loaded_pulse import LoadedWave
 from workflow.plugins.sound.loaded_pulse import Sound as Measured
-
-STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
 
 
 def sound_of(problem, bead_length, wave=None, crests=()):

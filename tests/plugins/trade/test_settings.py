@@ -8,9 +8,8 @@ import pytest
 from processes import HANGS
 from small_problems import problem, written_down
 
-from analysis.files import recording
 from analysis.tracking.peaks import find_peaks
-from lammps_inputs import InputError, file_names, library
+from lammps_inputs import InputError, library
 from lammps_inputs.limits.rates import stability_bound
 from workflow.engines.lammps import mpi
 from workflow.plugins.trade import settings as choices
@@ -78,24 +77,6 @@ def test_what_lammps_cannot_express_is_measured_by_the_reference_alone():
     contact = {"yield": {"law": "walton-braun", "restitution": 0.8}}
     plain = {"name": "a", "beads": 9, "contact": contact, "kick": {"velocity": 0.1}, "duration": 1.0}
     assert {one.method for one in choices.settings(library.from_plain(plain, "a").problem())} == {choices.REFERENCE}
-
-
-@pytest.mark.slow
-def test_a_window_has_the_errors_of_all_rows_near_the_front(tmp_path):
-    own = problem(beads=100, frames=1000)
-    truth = make_truth(own, tmp_path, seconds=HANGS)
-    found = []
-    for setting in [
-        *of_method(choices.settings(own), "LAMMPS window"),
-        choices.EngineSetting("LAMMPS verlet", 0.0, own),
-    ]:
-        choices.run(setting, tmp_path)
-        found.append(truth.errors(recording.blocks([tmp_path / file_names.DUMP], setting.problem)))
-    assert len(found) >= 2
-    # bit for bit at this coupling; the arrivals of beads that had left the window before are not among the first
-    for each in found[:-1]:
-        assert each["amplitude"] == pytest.approx(found[-1]["amplitude"], abs=1e-9)
-        assert each["velocity"] <= found[-1]["velocity"] * (1.0 + 1e-9)
 
 
 def test_the_reference_is_refined_until_its_uncertainty_is_small_or_the_time_is_up(tmp_path):

@@ -23,8 +23,6 @@ SCENE = {
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
-ERRORS = ("velocity_error", "amplitude_error", "arrival_error")
-
 
 def written(directory, **changes):
     path = directory / "scene.yaml"
@@ -98,14 +96,6 @@ def test_the_uncertainty_of_the_reference_is_below_all_errors_and_printed(found)
     assert sure <= 1e-10
     assert min(map(velocity, found[1])) > 10.0 * sure
     assert f"Uncertainty of the reference: {sure:.1e} V" in found[0]
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
-def test_ranks_change_no_error(found):
-    (one,) = [row for row in of(found[1], "LAMMPS verlet") if float(row["timestep"]) == 0.01]
-    two = of(found[1], "LAMMPS ranks")[0]
-    assert [one[name] for name in ERRORS] == [two[name] for name in ERRORS]
 
 
 def test_a_scene_that_asks_for_an_accuracy_or_a_scheme_is_measured_as_it_would_be_run():
