@@ -2,6 +2,8 @@
 
 import ast
 import functools
+import pkgutil
+import re
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -46,17 +48,24 @@ def imported(source: str) -> set[str]:
 def violations(package: str, source: str) -> set[str]:
     """What a source of a package imports from its own project and must not."""
     found = {name.partition(".")[0] or "." for name in imported(source)}
-    plug_ins = {name for name in imported(source) if name.startswith("workflow.plugins.")}
-    return plug_ins | found & (set(BELOW) | {".", "tests", "granchain"}) - BELOW[package] - {package}
+    return found & (set(BELOW) | {".", "tests", "granchain"}) - BELOW[package] - {package}
 
 
 @pytest.mark.parametrize("package", BELOW)
-def test_modules_of_a_package_import_only_it_and_those_below_and_no_plug_in(package):
+def test_modules_of_a_package_import_only_it_and_those_below(package):
     paths = [path for path in (ROOT / package).rglob("*.py") if path.parts[-3:-1] != ("python", "granchain")]
     core = [path for path in paths if not path.is_relative_to(PLUG_INS)]
     found = {path: violations(package, path.read_text(encoding="utf-8")) for path in core}
     assert {path: names for path, names in found.items() if names} == {}
     assert len(found) > 1
+
+
+def test_the_core_imports_no_plug_in():
+    sources = [path for package in BELOW for path in (ROOT / package).rglob("*.py")]
+    core = [path for path in sources if ROOT / "workflow" / "plugins" not in path.parents]
+    assert len(core) > 100
+    found = {path: " ".join(imported(path.read_text(encoding="utf-8"))) for path in core}
+    assert [path for path, names in found.items() if "workflow.plugins." in names] == []
 
 
 # --- plug-ins ---------------------------------------------------------------------------------------------------------
@@ -97,3 +106,12 @@ def test_no_module_is_on_a_circle_of_imports():
     }
     assert len(graph) > 100
     TopologicalSorter(graph).prepare()
+
+
+def test_the_developer_guide_follows_a_scene_by_functions_that_exist():
+    text = (ROOT / "workflow" / "DEVELOPING.md").read_text(encoding="utf-8")
+    section = text.partition("## From a scene to waves.csv")[2].partition("\n## ")[0]
+    names = re.findall(r"`((?:lammps_inputs|analysis|workflow)\.[\w.]*[a-z_]+\.\w+)`", section)
+    assert len(names) >= 14
+    for name in names:
+        assert pkgutil.resolve_name(name), name

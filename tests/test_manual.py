@@ -26,6 +26,27 @@ def test_every_symbol_of_the_equations_of_the_model_is_in_its_table_of_notation(
     assert pages.symbols(equations) - pages.symbols(" ".join([*units, *table])) == set()
 
 
+def test_no_symbol_has_two_rows_in_the_table_of_notation():
+    page = (ROOT / "lammps_inputs" / "MODEL.md").read_text(encoding="utf-8")
+    cells = re.findall(r"^\| (\$[^|]*) \|", page.partition("## Notation")[2], re.M)
+    names = [name for cell in cells for name in re.findall(r"\$([^$]+)\$", cell)]
+    assert len(names) == len(set(names))
+
+
+def test_every_plug_in_has_a_page_that_the_page_of_commands_links_section_by_section():
+    plug_ins = ROOT / "workflow" / "plugins"
+    commands = (ROOT / "workflow" / "README.md").read_text(encoding="utf-8")
+    links = re.findall(r"^- \[(.+)\]\(plugins/(\w+)/README\.md#", commands, re.M)
+    folders = [path.parent.name for path in plug_ins.glob("*/__init__.py")]
+    titles = {
+        (title, name)
+        for name in folders
+        for title in re.findall(r"^## (.+)$", (plug_ins / name / "README.md").read_text(encoding="utf-8"), re.M)
+    }
+    assert {name for _, name in titles} == set(folders)
+    assert sorted(links) == sorted(titles)
+
+
 def test_no_text_is_left_to_be_filled():
     """`tests/support/new_ingredient.py` writes the word where a text is missing."""
     scenes = (ROOT / "lammps_inputs" / "scenes").glob("*.yaml")

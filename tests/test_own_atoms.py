@@ -5,9 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from analysis.compare import start
+from analysis.compare.difference import errors_of
 from analysis.conservation import AccountMeter
 from lammps_inputs import library, physics
 from lammps_inputs.decks import deck
+from lammps_inputs.ingredients.base import FurtherAtoms, together
 from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Links
 from lammps_inputs.system import FurtherLine, Noun
@@ -40,6 +43,25 @@ def mixed():
 # --- lines ------------------------------------------------------------------------------------------------------------
 
 
+def atoms(mass, noun, chain_of_line=()):
+    """Atoms at the beads of some lines, each tied to its bead by a spring."""
+    mass = np.array(mass, dtype=float)
+    edges = tuple((chain, 2 + line) for line, chain in enumerate(chain_of_line or (0, 1)))
+    return FurtherAtoms(mass, (Links.across(noun[0], Linear(1.0), edges=edges),), (), noun, chain_of_line)
+
+
+def test_lines_of_one_noun_and_chain_are_shared_where_places_are_free_and_no_others():
+    first, second = atoms([[1, 0], [1, 0]], RESONATOR), atoms([[0, 2], [0, 2]], RESONATOR)
+    lines, ties, _ = together(2, [first, second, atoms([[0, 3]], PENDULUM, (1,)), atoms([[4, 0]], RESONATOR, (1,))])
+    assert [(line.mass.tolist(), line.chain, line.noun) for line in lines] == [
+        ([1.0, 2.0], 0, RESONATOR),
+        ([1.0, 2.0], 1, RESONATOR),
+        ([0.0, 3.0], 1, PENDULUM),
+        ([4.0, 0.0], 1, RESONATOR),
+    ]
+    assert [link.edges for link in ties] == [((0, 2), (1, 3)), ((0, 2), (1, 3)), ((1, 4),), ((1, 5),)]
+
+
 def test_an_atom_at_one_bead_of_one_chain_weighs_on_it_and_stands_at_its_place():
     made = library.from_plain({**KEYS, "precompression": {"force": 0.1}}, "test").problem()
     hung = Links.across("hung", Linear(np.array([[0.0] * 2 + [1.0] + [0.0] * 3])), edges=((1, 2),))
@@ -55,6 +77,21 @@ def test_an_atom_at_one_bead_of_one_chain_weighs_on_it_and_stands_at_its_place()
 
 
 # --- where they are named ---------------------------------------------------------------------------------------------
+
+
+def test_the_atom_that_does_not_start_at_rest_is_called_by_its_noun(mixed):
+    further = np.array(mixed.further_lines)
+    further[0, 1, 3, 2] = 0.5
+    (text,) = start.differences(replace(mixed, further_lines=further))
+    assert text == "the pendulum at bead 3 of chain 2 starts with velocity 0.5 instead of 0"
+
+
+def test_a_deviation_is_of_the_atom_by_its_noun_its_number_and_its_chain(mixed):
+    for line, words in enumerate(("resonator 1 at bead 3 of chain 1", "", "pendulum 1 at bead 3 of chain 1")):
+        further = np.array(mixed.further_lines)
+        further[10, 1, line, 2] += 0.5
+        where = errors_of([replace(mixed, further_lines=further)], [mixed])["velocity"].where
+        assert where.words == (words or "resonator 1 at bead 3 of chain 2")
 
 
 def test_the_budget_has_the_energy_of_each_noun_and_closes(mixed):

@@ -1,6 +1,6 @@
 """Laws and ingredients of one's own go all the way from YAML without touching the product.
 
-They may add atoms, and contacts whose force depends on the past.
+They may add atoms that no table shows, and contacts whose force depends on the past.
 """
 
 import json
@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -146,7 +147,7 @@ class Wear(Ingredient):
 INGREDIENTS = {"bed": Bed, "masses": Masses, "tie": Tie, "wear": Wear}
 '''
 
-SCENES = {
+SCENES: dict[str, dict[str, Any]] = {
     "bed": {
         "chains": 3,
         "coupling": {"stiffness": 0.2},
@@ -159,7 +160,7 @@ SCENES = {
 }
 
 
-def text(name, **changes):
+def text(name: str, **changes: Any) -> str:
     """A scene file: one chain of eight beads for 10 T unless it says otherwise."""
     plain = {"beads": 8, "kick": {"velocity": 1.0}, "duration": 10, "output": {"every": 0.1}}
     return json.dumps({"name": name, **plain, **SCENES[name], **changes})
@@ -167,6 +168,7 @@ def text(name, **changes):
 
 PROGRAM = """
 import json
+from pathlib import Path
 import numpy as np
 import lammps_here as here
 from analysis.tracking.peaks import find_peaks
@@ -174,11 +176,18 @@ from lammps_inputs import InputError, find
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
+from workflow.runs.resume import resume
 from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+from workflow.verdicts import validate
 
+validate.error_figure, validate.write_figure = (lambda *_: None), (lambda *_: ())  # take longer than the validation
 scene = find("bed.yaml")
 problem = scene.problem()
 whole = run(scene, "whole")
+run(scene, "cut", check=False, lammps=here.interrupted_after(500))
+resume("cut", check=False, lammps=here.run)
+again = RunDirectory(Path("cut")).trajectory.velocity
 reference = engine.run(problem)
 inner = run(find("inner.yaml"), "inner", lammps=here.run)
 peaks = find_peaks([engine.run(inner.directory.problem)])
@@ -190,14 +199,20 @@ except InputError as error:
 print(json.dumps({
     "error": whole.check.velocity,
     "sure": whole.check.reference.velocity,
+    "same": bool(np.array_equal(again, whole.trajectory.velocity)),
+    "from_step": RunDirectory(Path("cut")).job.resumed[0].from_step,
     "difference": float(np.abs(whole.trajectory.velocity - reference.velocity).max()),
+    "quantities": sorted(validate.validate(whole.directory).deviations),
     "bounds": [rates.stability_bound(find(f"{name}.yaml").system) for name in ("untied", "bed")],
+    "ground": float(problem.system.ground[0].energy(reference.displacement).max()),
     "velocity": reference.velocity[-1].tolist(),
     "inner": inner.check.velocity,
+    "shape": inner.trajectory.velocity.shape,
     "peak": float(peaks.velocity[peaks.bead == 20][0]),
     "refused": refused,
     "rebound": [engine.run(worn, steps_per_frame=steps).velocity[-1, 0].tolist() for steps in (10, 400)],
     "momentum": worn.system.holds(Fact.MOMENTUM),
+    "states": [engine.make_state(each, None).compiled.contacts.size for each in (worn, find("two-chains").problem())],
 }))
 """
 
@@ -243,6 +258,12 @@ def test_lammps_agrees_with_the_reference_to_the_usual_error(found):
     assert found[1]["difference"] == pytest.approx(found[1]["error"], abs=found[1]["sure"] + 1e-9)
 
 
+def test_its_energy_is_in_the_budget_which_closes_and_momentum_is_not_asked_for(found):
+    assert found[1]["ground"] > 0.01
+    assert "energy" in found[1]["quantities"]
+    assert "momentum" not in found[1]["quantities"]
+
+
 def test_it_shortens_the_stability_bound(found):
     """omega**2 <= 6 sqrt(largest overlap) + 0.2 * 2 + 5 q s**4 at the largest s: q s**6 / 6 = 1 / 2; less with ties."""
     largest = (6.0 * 0.5 / 1.5) ** (1.0 / 6.0)
@@ -250,6 +271,11 @@ def test_it_shortens_the_stability_bound(found):
     untied, tied = found[1]["bounds"]
     assert untied == pytest.approx(2.0 / omega, rel=1e-12)
     assert tied < untied
+
+
+def test_an_interrupted_run_goes_on_bit_for_bit(found):
+    assert found[1]["from_step"] > 0
+    assert found[1]["same"]
 
 
 def test_the_reference_agrees_with_an_independent_integrator(found):
@@ -273,10 +299,11 @@ def test_the_reference_agrees_with_an_independent_integrator(found):
     np.testing.assert_allclose(found[1]["velocity"], exact, atol=2e-5)
 
 
-def test_a_mass_inside_each_bead_acts_alike_in_lammps_and_the_reference(found):
+def test_a_mass_inside_each_bead_acts_alike_in_lammps_and_the_reference_and_stands_in_no_table(found):
     """The peak is that of an independent program (mass-in-mass chain, m2 = 0.1, k2 = 1)."""
     assert found[1]["peak"] == pytest.approx(0.588365, abs=2e-6)
     assert found[1]["inner"] < 2e-4  # the accuracy that its time step is chosen for
+    assert found[1]["shape"] == [401, 1, 30]
 
 
 def test_a_contact_whose_state_is_its_largest_overlap_gives_two_beads_their_restitution_and_all_their_momentum(found):
@@ -285,6 +312,7 @@ def test_a_contact_whose_state_is_its_largest_overlap_gives_two_beads_their_rest
     coarse, fine = found[1]["rebound"]
     assert coarse == pytest.approx([0.05, 0.95], abs=1e-5)  # the largest overlap is found within the step
     assert fine == pytest.approx([0.05, 0.95], abs=1e-8)
+    assert found[1]["states"] == [3, 0]
     assert found[1]["momentum"]
     for velocities in found[1]["rebound"]:
         assert sum(velocities) == pytest.approx(1.0, abs=1e-14)
@@ -293,7 +321,8 @@ def test_a_contact_whose_state_is_its_largest_overlap_gives_two_beads_their_rest
 def test_a_run_without_its_module_names_the_module(found):
     place, _ = found
     assert granchain(place, "run", "bed.yaml", "-o", "away", "--engine", "reference", **own(".")).returncode == 0
-    done = granchain(place, "analyze", "away")
-    assert done.returncode == 2
-    assert "bed: unknown key" in done.stderr
-    assert done.stderr.endswith("the scene needs GRANCHAIN_INGREDIENTS=own\n")
+    for command in ("analyze", "view", "validate"):
+        done = granchain(place, command, "away")
+        assert done.returncode == 2
+        assert "bed: unknown key" in done.stderr
+        assert done.stderr.endswith("the scene needs GRANCHAIN_INGREDIENTS=own\n")
