@@ -81,7 +81,8 @@ class Peaks(Columns):
 
 FREE = 0.05**2.5
 """Pressing at its peak, over the velocity squared, below which a bead is taken for one that flies freely (the exact
-solitary wave of spheres has ``0.66**2.5``). Such a velocity reaches a level and stays: the time of its maximum is undefined.
+solitary wave of spheres has ``0.66**2.5``). Such a velocity reaches a level and stays: the time of its maximum is
+undefined.
 """
 
 

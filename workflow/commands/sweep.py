@@ -2,10 +2,11 @@
 
 import argparse
 import textwrap
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
 
-from lammps_inputs import InputError
+from lammps_inputs import InputError, Scene
 from workflow.engines.lammps.mpi import cores
 from workflow.screen import CommandResult, one_line
 from workflow.study_kit.options import add_output, example_file
@@ -58,11 +59,14 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     return CommandResult(1 if end.failed else 0, data)
 
 
-def case_decks(arguments: argparse.Namespace) -> AbstractContextManager[CaseDecks]:
+def case_decks(
+    arguments: argparse.Namespace, accept: Callable[[Scene], None] = lambda _: None
+) -> AbstractContextManager[CaseDecks]:
     """Cases of the command's sweep, whose decks are written in place of runs.
 
     Args:
         arguments: arguments of the command (`add_arguments`).
+        accept: called with the scene of each case before anything is written; may raise InputError.
 
     Returns:
         The cases, in a context that keeps other commands out of the sweep's directory.
@@ -77,7 +81,7 @@ def case_decks(arguments: argparse.Namespace) -> AbstractContextManager[CaseDeck
         ...     decks.to_do
         ['kick.velocity=1', 'kick.velocity=2']
     """
-    return planned_decks(_definition(arguments), arguments.output)
+    return planned_decks(_definition(arguments), arguments.output, accept)
 
 
 def _definition(arguments: argparse.Namespace) -> file.Sweep:

@@ -2,7 +2,7 @@
 
 import contextlib
 import importlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from workflow.runs.output_directory import listed, record_files
 from workflow.runs.status import Queue, cluster_queue, status
 from workflow.screen import count_bar
 from workflow.sweep.cases import CaseRequest
-from workflow.sweep.file import Sweep, SweepCase, scene_of
+from workflow.sweep.file import Sweep, SweepCase, all_cases, scene_of
 from workflow.sweep.run_sweep import begin, planned, refuse_if_queued, request
 from workflow.workers import computations
 from workflow.workers.pool import Pool, Task, TaskResult
@@ -96,18 +96,22 @@ class CaseDecks:
 
 
 @contextlib.contextmanager
-def planned_decks(definition: Sweep, directory: Path) -> Iterator[CaseDecks]:
+def planned_decks(definition: Sweep, directory: Path, accept: Callable[[Scene], None]) -> Iterator[CaseDecks]:
     """Cases of a sweep for which decks are to be written, with the directory made and other commands kept out of it.
 
     Args:
         definition: the sweep.
         directory: new, or that of the same sweep.
+        accept: called with the scene of each case before anything is written.
 
     Raises:
-        InputError: LAMMPS does not compute the sweep; else as `workflow.sweep.run_sweep.planned`.
+        InputError: LAMMPS does not compute the sweep, or a scene is not accepted; else as
+            `workflow.sweep.run_sweep.planned`.
     """
     if definition.engine != "lammps":
         raise InputError(f"{definition.source}: engine: a job runs lammps, not {definition.engine}")
+    for case in all_cases(definition):
+        accept(scene_of(definition, case))
     with planned(definition, directory) as cases:
         queue = cluster_queue()
         states: dict[str, str] = {case.name: status(directory / case.name, queue).state for case in cases}

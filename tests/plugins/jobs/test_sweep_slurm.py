@@ -48,6 +48,7 @@ def test_tasks_of_several_cases_are_lines_of_the_list(tmp_path):
 def test_more_ranks_than_a_case_has_rows_are_one_line(tmp_path, capsys):
     words = ["sweep", sweep_file(tmp_path, beads=[12]), "-o", tmp_path / "s", "--slurm", "--ranks-per-node", "13"]
     assert "ranks divide the 12 rows" in refusal(words, capsys)
+    assert not (tmp_path / "s").exists()
 
 
 @pytest.mark.slow
