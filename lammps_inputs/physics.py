@@ -590,10 +590,15 @@ def kappa(system: System) -> float:
     return max((float(np.max(laws.stiffness(link.law, 0.0))) for link in system.couplings), default=0.0)
 
 
-def kappa_of_pulses(system: System) -> float:
-    """`kappa` in the time in which pulses pass: over ``A**(2 / (n + 1))`` of contacts of one strength A, exponent n."""
+def pulse_time(system: System) -> float:
+    """Factor on times and overlaps of pulses: ``A**(-1 / (n + 1))``, of contacts of one strength A and exponent n."""
     strength, n = laws.strength(system.along[0].law), exponent(system)
-    return kappa(system) / (1.0 if n is None or np.ndim(strength) else float(strength) ** (2.0 / (n + 1.0)))
+    return 1.0 if n is None or np.ndim(strength) else float(strength) ** (-1.0 / (n + 1.0))
+
+
+def kappa_of_pulses(system: System) -> float:
+    """`kappa` in the time in which pulses pass, see `pulse_time`."""
+    return kappa(system) * pulse_time(system) ** 2
 
 
 def open_row(system: System) -> bool:

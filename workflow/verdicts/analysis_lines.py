@@ -28,7 +28,7 @@ DOCUMENTED = 1e-4
 """Error of a peak velocity, in V, above which it is printed."""
 
 FAR = 1.4
-"""Time between frames, in T, from which on small maxima beside larger ones were seen to be missed."""
+"""Time between frames, in T in contacts of strength 1, above which small maxima beside larger ones were missed."""
 
 
 def lines(analysis: Analysis) -> Iterator[str | PrintedTable]:
@@ -120,6 +120,7 @@ def _accuracy(analysis: Analysis) -> Iterator[str]:
         )
     if not analysis.error.measured:
         yield UNCHECKED
-    if problem.every > FAR:
-        far = scale.written(FAR, "time", ".3g")
-        yield f"frames are more than {far} apart, so that small pulses between them may be missed"
+    far = FAR * physics.pulse_time(problem.system)
+    if problem.every > far:
+        apart = scale.written(far, "time", ".3g")
+        yield f"frames are more than {apart} apart, so that small pulses between them may be missed"

@@ -22,7 +22,7 @@ from analysis.compare.difference import Deviation, Difference, DifferenceMeter, 
 from analysis.meters import Part
 from analysis.sharing.chain_differences import ChainDifference
 from analysis.trajectory import Trajectory, joined
-from lammps_inputs import InputError, Problem, html, physics
+from lammps_inputs import InputError, Problem, System, html, physics
 from lammps_inputs.facts import Fact
 from workflow.engines.reference.step_halving import StepHalving
 from workflow.formats import figure_files
@@ -45,8 +45,9 @@ TOLERANCES = {
     "share": 0.1,
 }
 """Some three times what velocity Verlet leaves in the paper's scenes at the default time step of 0.01; dimensionless,
-energy and momentum relative to the kick's. Forces are those of measured traces; impulses and shares of the energy are
-compared between rigid and elastic beads (`analysis.sharing.chain_differences`).
+energy and momentum relative to the kick's, for contacts of strength 1 (`of_pulses`). Forces are those of measured
+traces; impulses and shares of the energy are compared between rigid and elastic beads
+(`analysis.sharing.chain_differences`).
 """
 
 FIRST_ORDER = {"amplitude": 2.5e-4, "arrival": 1e-2}
@@ -349,9 +350,17 @@ def _compared(
 
 def limits_of(problem: Problem, tolerances: dict[str, float] | None) -> dict[str, float]:
     """The given tolerances, or the usual ones: of an energy budget with exchange, that of the velocities."""
-    exchanged = {"energy": TOLERANCES["velocity"]} if physics.exchanges(problem.system) else {}
-    first_order = {} if problem.system.holds(Fact.SECOND_ORDER) else FIRST_ORDER
-    return {**TOLERANCES, **exchanged, **first_order, **(tolerances or {})}
+    system = problem.system
+    exchanged = {"energy": TOLERANCES["velocity"]} if physics.exchanges(system) else {}
+    first_order = {} if system.holds(Fact.SECOND_ORDER) else FIRST_ORDER
+    return {**of_pulses({**TOLERANCES, **exchanged, **first_order}, system), **(tolerances or {})}
+
+
+def of_pulses(tolerances: dict[str, float], system: System) -> dict[str, float]:
+    """Tolerances in contacts of another strength: times and overlaps of pulses change by a factor, forces inversely."""
+    factor = physics.pulse_time(system)
+    powers = {"displacement": 1, "arrival": 1, "force": -1}
+    return {name: value * factor ** powers.get(name, 0) for name, value in tolerances.items()}
 
 
 def _doubts(uncertainty: Uncertainty, limits: dict[str, float]) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from lammps_inputs import InputError, Problem, physics
 from lammps_inputs.deck_atoms import DeckAtoms
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.diagnose import Diagnosis, diagnose
-from workflow.verdicts.validate import TOLERANCES, Validation, any_exceeded, error_figure, limits_of, write
+from workflow.verdicts.validate import TOLERANCES, Validation, any_exceeded, error_figure, limits_of, of_pulses, write
 
 
 def validate_table(
@@ -44,7 +44,8 @@ def validate_table(
     deck = directory.scene.adopted
     loaded = _loaded(path, problem, deck, dimensionless=dimensionless)
     rounding = _step_of_positions(loaded) / (1.0 if dimensionless else problem.scale.length)
-    limits = limits_of(problem, {**_within_rounding(rounding), **(tolerances or {})})
+    within = limits_of(problem, None)["displacement"] + rounding
+    limits = limits_of(problem, {**({"displacement": within} if rounding else {}), **(tolerances or {})})
     run_frames = joined(directory.blocks_so_far())[: problem.frames + 1]
     theirs = as_trajectory(loaded, problem, dimensionless=dimensionless)
     run_part = common_times.of_recorded(run_frames, theirs.problem)
@@ -96,11 +97,6 @@ def _resampled(path: Path, run: Trajectory, times: Floats, *, incomplete: bool) 
 def _step_of_positions(loaded: TrajectoryTable) -> float:
     """Step to which positions of a dump are rounded, the largest error of a displacement; 0 without positions."""
     return 0.0 if loaded.position is None else 2.0 * rounding_error(loaded.position) * loaded.position_unit
-
-
-def _within_rounding(rounding: float) -> dict[str, float]:
-    """Tolerance of displacements from positions that were rounded, whose errors, in L, are known."""
-    return {"displacement": TOLERANCES["displacement"] + rounding} if rounding else {}
 
 
 def _rounding_of_positions(
@@ -211,7 +207,7 @@ def validate_traces(
     Raises:
         InputError: the table cannot be read, or is of chains, beads, walls or times that the run has not.
     """
-    limits = {**TOLERANCES, **(tolerances or {})}
+    limits = {**of_pulses(TOLERANCES, directory.problem.system), **(tolerances or {})}
     path = file if isinstance(file, Path) else file.path
     problem, measured = directory.problem, traces.load(file)
     beads = _beads_of(path, measured, problem, dimensionless=dimensionless)
