@@ -248,6 +248,20 @@ def test_a_known_decay_is_fitted_exactly(kappa, factor):
     assert fit.v0 == pytest.approx(SINGLE_CHAIN, rel=1e-9)
 
 
+def test_the_uncertainties_of_a_fitted_decay_are_the_scatter_of_fits_to_noise():
+    """A sample of 400 knows its standard deviation to 3.5 per cent; bounds are three times that."""
+    bead, random = np.arange(2, 120), np.random.default_rng(7)
+    fits = []
+    for _ in range(400):
+        line = SINGLE_CHAIN**0.4 * (1.0 - (bead - 1) / 500.0) + random.normal(0.0, 1e-3, len(bead))
+        shared = Sharing(0, bead, np.zeros((118, 2)), np.stack([line**2.5, 0.01 + 0.0 * bead], axis=1), 0.5)
+        fits.append(fit_decay(shared, problem(2, 0.002)))
+    for name in ("n_star", "v0"):
+        scatter = np.std([getattr(fit, name) for fit in fits], ddof=1)
+        stated = np.sqrt(np.mean([getattr(fit, f"{name}_error") ** 2 for fit in fits]))
+        assert stated == pytest.approx(scatter, rel=0.105), name
+
+
 def of_one_chain(amplitude, last=101) -> Sharing:
     bead = np.arange(2, last + 1)
     return Sharing(0, bead, np.zeros((len(bead), 1)), amplitude(bead)[:, np.newaxis], 0.5)
