@@ -253,8 +253,8 @@ def test_the_uncertainties_of_a_fitted_decay_are_the_scatter_of_fits_to_noise():
     bead, random = np.arange(2, 120), np.random.default_rng(7)
     fits = []
     for _ in range(400):
-        line = SINGLE_CHAIN**0.4 * (1.0 - (bead - 1) / 500.0) + random.normal(0.0, 1e-3, len(bead))
-        shared = Sharing(0, bead, np.zeros((118, 2)), np.stack([line**2.5, 0.01 + 0.0 * bead], axis=1), 0.5)
+        line = SINGLE_CHAIN**0.4 * (1.0 - (bead - 1) / 125.0) + random.normal(0.0, 1e-3, len(bead))
+        shared = Sharing(0, bead, np.zeros((118, 2)), np.stack([line**2.5, 1e-6 + 0.0 * bead], axis=1), 0.5)
         fits.append(fit_decay(shared, problem(2, 0.002)))
     for name in ("n_star", "v0"):
         scatter = np.std([getattr(fit, name) for fit in fits], ddof=1)
