@@ -60,9 +60,11 @@ def test_the_residual_energy_is_that_of_the_chain_that_was_kicked_the_hardest():
     scene = library.from_plain({"name": "a", "chains": 2, "beads": 50, "kick": kicks, "duration": 70.0, **dimer}, "")
     recorded = Recorded(scene, scene.problem())
     run = engine.run(recorded.problem)
-    found = CellMeasurement.of_run(recorded, surveyed(run), CellMeter().read([run])).values
+    measurement = CellMeasurement.of_run(recorded, surveyed(run), CellMeter().read([run]))
+    found = measurement.values
     weak, strong = (chain.per_cell for chain in found.chains)
     for chain in found.chains:  # from bead 23 to 45 the energy falls as the law says
         kept = (1.0 - chain.rate) ** 11 * (chain.carried + 11.0 * chain.per_cell) / chain.carried
         assert abs(kept - 1.0) <= 2.0 * chain.deviation < 0.1 * chain.rate
     assert found.residual_energy == strong == pytest.approx(4.0 * weak, rel=0.01)  # waves of any velocity are alike
+    assert " of the energy input remains in each cell of 2 beads" in next(measurement.lines())
