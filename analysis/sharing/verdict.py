@@ -105,7 +105,7 @@ def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
     ):
         return None
     chain, kicked_bead = shared.kicked, along_the_way(problem, physics.excitations(system)[0][1])
-    springs, strength = stiffness_of_springs(problem, chain), wave_of(system).strength
+    springs = stiffness_of_springs(problem, chain)
     if not springs:
         return None
     others = np.nanmax(np.delete(shared.amplitude, chain, axis=1), axis=1)
@@ -134,7 +134,9 @@ def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
         * (float(np.sqrt(covariance[1, 1])) + error_of_line(distance, errors, 0.0)),
         n_star_error=n_star * float(np.sqrt(max(relative, 0.0)))
         + error_of_crossing(distance, amplitude**0.4, 0.0, errors),
-        n_star_expected=expected_n_star(springs / strength**0.8) if kicked_bead == 1 else float("nan"),
+        n_star_expected=expected_n_star(springs * physics.pulse_time(system) ** 2)
+        if kicked_bead == 1
+        else float("nan"),
         deviation=float(np.max(np.abs(law / amplitude - 1.0))),
     )
 
