@@ -22,8 +22,9 @@ def test_a_slope_that_dips_by_more_than_its_error_falls_for_certain_and_one_that
 
 
 def test_a_dip_between_two_samples_is_seen():
-    step = PLACES[1]
-    (entry, _, _, certain) = falls(slopes(lambda s: (s - 0.5 * step - 0.5) ** 2 + 1e-4), np.full(1, 1.5e-4), np.ones(1))
+    """A parabola has its lowest value, 1e-4, in the middle between two samples."""
+    dip = slopes(*2 * [lambda s: (s - 0.5 * PLACES[1] - 0.5) ** 2 + 1e-4])
+    (entry, _, _, certain) = falls(dip, np.array([1.1e-4, 0.9e-4]), np.ones(2))
     assert (entry.tolist(), certain.tolist()) == ([0], [False])
 
 
@@ -58,6 +59,14 @@ def test_a_slight_fall_after_the_start_is_no_maximum():
     assert not perhaps.any()
     entry, *_ = falls(rising, np.full(2, 1e-9), np.array([0.5, 0.2]))
     assert len(entry) == 0
+
+
+def test_a_bead_that_begins_with_no_acceleration_may_be_fastest_at_the_start_where_its_slope_may_fall():
+    """Both slopes begin as cubes, so nothing but their samples says which way, and both are within the error there."""
+    falling, rising = (lambda s, sign=sign: sign * s**3 + 2.0 * s**4 for sign in (-1.0, 1.0))
+    _, largest, perhaps = starts(slopes(falling, rising), np.full(2, 0.06), np.zeros(2))
+    assert not largest.any()
+    assert perhaps.tolist() == [True, False]
 
 
 def test_a_maximum_is_bracketed_that_a_bead_quickening_from_rest_has_right_after_the_start():

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from plain_scene import scene
 
 from analysis.shape.unit_cell import NoDispersionError, cell_of
-from analysis.sharing.energies import FlowMeter, has_modes
+from analysis.sharing.energies import MOST_CHAINS, FlowMeter, has_modes
 from analysis.trajectory import Trajectory
 from lammps_inputs import find, physics
 from lammps_inputs.laws.spring import Varying
@@ -94,8 +94,10 @@ def test_modes_have_shares_of_the_action_where_no_contact_is_loaded():
         ({"foundation": {**MODULATED, "stiffness": {"from": 0.3, "to": 0.6, "rows": [1, 6]}}}, False),
         ({"foundation": MODULATED, "chains": 1, "coupling": None}, False),
         ({"foundation": MODULATED, "precompression": {"force": 0.3}}, False),
+        ({"foundation": MODULATED, "chains": MOST_CHAINS}, True),
+        ({"foundation": MODULATED, "chains": MOST_CHAINS + 1}, False),
     ],
-    ids=["over time", "constant", "along the chains", "one chain", "loaded"],
+    ids=["over time", "constant", "along the chains", "one chain", "loaded", "most chains", "too many chains"],
 )
 def test_modes_are_those_of_rows_that_are_alike_whose_springs_change_in_time(keys, known):
     assert has_modes(scene(**keys).system) == known

@@ -92,6 +92,19 @@ def test_a_reflected_pulse_is_read_before_it_meets_the_next_incident_one(meet, k
         assert found.ratio == pytest.approx(0.9)
 
 
+@pytest.mark.parametrize(("time", "ratio"), [(29.9, 0.2), (30.1, 0.5), (79.9, None), (80.1, 0.2)])
+def test_only_what_ends_after_the_pulse_meets_the_wall_and_begins_before_the_next_one_does_may_be_its_reflection(
+    time, ratio
+):
+    """They meet it at 30 T and 80 T; the reflection has a velocity of 0.2, what ends or begins at `time` 0.5."""
+    there, back = there_and_back(lambda _: 1.0, lambda _: 0.2)
+    beads = range(BEADS - 1, 30, -1)
+    start = time if time > 50.0 else time - (len(beads) - 1)
+    other, second = pulse(1, -1, beads, start, lambda _: 0.5), pulse(1, 1, range(1, BEADS + 1), 21.0, lambda _: 1.0)
+    found = reflections((there, back, other, second), PLAIN, right=True)[0]
+    assert (found and found.ratio) == (ratio and pytest.approx(ratio))
+
+
 def test_a_ripple_that_runs_ahead_of_the_pulse_is_not_what_the_wall_reflects():
     pulses = (
         pulse(1, 1, range(26, 48), 0.0, lambda _: 0.03),
