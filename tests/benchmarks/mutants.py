@@ -1,14 +1,15 @@
-"""Mutants that the tests find: ``python tests/benchmarks/mutants.py --number 300 --seed 1 [--only PATH]``.
+"""Mutants that the tests find: ``python tests/benchmarks/mutants.py --number 300 --seed 1 [--all] [--only PATH]``.
 
 A mutant is the tree with one operator, comparison, constant or sign changed, also in the texts that the reference
 compiles (``TEXTS``). Words, annotations, decorators and what an error says are left alone. Mutants are drawn at random
 from all of `FOLDERS`, the same ones for the same seed and sources, and tested in a clone of the last commit; different
 seeds may run beside each other.
 
-Which tests execute which lines is measured by coverage.py (``pip install coverage``), by a run of all tests that is
-kept in the file ``--map``. A mutant meets first the tests in the folder that mirrors its own, then the others that
-execute its line, and last the rest of their files, since fixtures and caches execute lines for later tests; those that
-take the least time first, up to the first failure. A compiled line is not traced: it has the tests of the reference.
+Which tests execute which lines is measured by coverage.py (``pip install coverage``), by a run of the tests of README's
+command, or of all of them, that is kept in the file ``--map``. A mutant meets first the tests in the folder that
+mirrors its own, then the others that execute its line, and last the rest of their files, since fixtures and caches
+execute lines for later tests; those that take the least time first, up to the first failure. A compiled line is not
+traced: it has the tests of the reference.
 """
 
 import argparse
@@ -228,8 +229,9 @@ class Clone:
     def pytest(self, arguments: list[str], seconds: float | None = None, **environment: str) -> tuple[int, str]:
         """Exit code, negative if it took longer, and output."""
         command = [sys.executable, "-m", "pytest", "-q", "-p", "mutants", "-p", "no:cacheprovider"]
+        command += ["-o", f"timeout={SECONDS:g}", *arguments]
         process = subprocess.Popen(
-            [*command, "-o", f"timeout={SECONDS:g}", *arguments],
+            command,
             cwd=self.place,
             env=self.environment | environment,
             stdout=subprocess.PIPE,
@@ -246,12 +248,13 @@ class Clone:
                 os.killpg(process.pid, signal.SIGKILL)  # with all that it left behind
         return process.returncode, output
 
-    def read_map(self, file: Path) -> None:
-        """Read which tests execute which lines from a file, made by running all tests if it is missing."""
+    def read_map(self, file: Path, *, slow: bool) -> None:
+        """Read which tests execute which lines from a file, made by running them, also slow ones, if it is missing."""
         if not file.is_file():
             notes = Path(f"{self.place}.notes")
             notes.mkdir()
-            _, output = self.pytest(["-n", "auto", "--dist", "loadfile"], MUTANTS_TRACED=str(notes))
+            command = ["-n", "auto", "--dist", "loadfile", *(["-m", ""] if slow else [])]
+            _, output = self.pytest(command, MUTANTS_TRACED=str(notes))
             print(output[-500:], flush=True)
             merged: dict[str, Any] = {"seconds": {}, "lines": defaultdict(lambda: defaultdict(list))}
             for content in (json.loads(note.read_text(encoding="utf-8")) for note in notes.glob("*.json")):
@@ -291,7 +294,7 @@ class Clone:
         listed.write_text("\n".join(tests), encoding="utf-8")
         limit = SECONDS + 10.0 * sum(self.seconds[test] for test in tests)
         files = list(dict.fromkeys(test.partition("::")[0] for test in tests))
-        code, output = self.pytest(["-x", *files], limit, MUTANTS_TESTS=str(listed)) if tests else (0, "")
+        code, output = self.pytest(["-x", "-m", "", *files], limit, MUTANTS_TESTS=str(listed)) if tests else (0, "")
         path.write_bytes(original)
         named = re.search(r"^(?:FAILED|ERROR) (.*?)(?: - |$)", output, re.MULTILINE)
         return "" if code in (0, 5) else named[1] if named else f"exit code {code}"
@@ -302,6 +305,7 @@ def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--number", type=int, default=100, help="mutants drawn, default 100")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--all", action="store_true", help="also tests that are slow or need other programs")
     parser.add_argument("--only", default="", metavar="PATH", help="mutants of a file or folder")
     parser.add_argument("--map", type=Path, default=ROOT / "build" / "mutants.json", help="made if it is missing")
     chosen = parser.parse_args(arguments)
@@ -312,7 +316,7 @@ def main(arguments: list[str]) -> int:
     found = 0
     with tempfile.TemporaryDirectory(prefix="granchain-mutants-") as root:
         clone = Clone(Path(root) / "clone")
-        clone.read_map(chosen.map)
+        clone.read_map(chosen.map, slow=chosen.all)
         for mutant in drawn:
             test = clone.verdict(mutant)
             print(f"{mutant.path}:{mutant.line} | {mutant.change} | {test or 'SURVIVED'}", flush=True)
