@@ -44,8 +44,9 @@ def validate_table(
     deck = directory.scene.adopted
     loaded = _loaded(path, problem, deck, dimensionless=dimensionless)
     rounding = _step_of_positions(loaded) / (1.0 if dimensionless else problem.scale.length)
-    within = limits_of(problem, None)["displacement"] + rounding
-    limits = limits_of(problem, {**({"displacement": within} if rounding else {}), **(tolerances or {})})
+    limits = limits_of(problem, tolerances)
+    if "displacement" not in (tolerances or {}):
+        limits["displacement"] += rounding
     run_frames = joined(directory.blocks_so_far())[: problem.frames + 1]
     theirs = as_trajectory(loaded, problem, dimensionless=dimensionless)
     run_part = common_times.of_recorded(run_frames, theirs.problem)

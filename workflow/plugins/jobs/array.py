@@ -4,7 +4,7 @@ import argparse
 from dataclasses import dataclass
 from pathlib import Path
 
-from granchain import InputError, Scene
+from granchain import Scene
 from granchain.parts import Problem, case_decks, file_names, output_directory, write_text
 from workflow.plugins.jobs import job, job_files
 from workflow.plugins.jobs.ranks import with_ranks
@@ -36,12 +36,6 @@ def _rows(scene: Scene) -> int:
     return scene.window if isinstance(scene.window, int) else scene.beads
 
 
-def _refuse_more_ranks(options: JobOptions, rows: int) -> None:
-    """Refuse a named number of ranks that is larger than that of rows."""
-    if options.ranks_per_node is not None and options.ranks > rows:
-        raise InputError(f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {rows} rows of a case")
-
-
 def write_array(arguments: argparse.Namespace, options: JobOptions) -> WrittenSweep:
     """Write decks and the array; nothing of a case that is done, waits or runs is touched.
 
@@ -53,7 +47,7 @@ def write_array(arguments: argparse.Namespace, options: JobOptions) -> WrittenSw
         InputError: as `workflow.sweep.run_sweep.plan`; or the list of cases would change under an array in the queue.
     """
     directory = arguments.output
-    with case_decks(arguments, lambda scene: _refuse_more_ranks(options, _rows(scene))) as decks:
+    with case_decks(arguments, lambda scene: job.refuse_more_ranks(options, _rows(scene))) as decks:
         if not decks.to_do:
             return WrittenSweep(len(decks.states), 0, len(decks.under_way), 0, 0)
         lines = _lines(directory)
@@ -66,7 +60,7 @@ def write_array(arguments: argparse.Namespace, options: JobOptions) -> WrittenSw
         count = options.cases_per_task
         lines += [tuple(new[first : first + count]) for first in range(0, len(new), count)]
         small = decks.write(f"{__name__}:files_of_case", {"scheduler": options.scheduler})
-        _refuse_more_ranks(options, small[-1].rows.existing)  # of windows whose width is found by trials, too
+        job.refuse_more_ranks(options, small[-1].rows.existing)  # of windows whose width is found by trials, too
         options = with_ranks(options, small[0])
         place = {name: number for number, line in enumerate(lines) for name in line}
         tasks = [place[name] for name in decks.to_do]

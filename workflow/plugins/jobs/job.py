@@ -47,12 +47,20 @@ def render_job(options: JobOptions, problem: Problem, directory: Path | None = N
     Raises:
         InputError: more ranks than rows, or the scene asks for what only `granchain run` does.
     """
-    rows = problem.rows.existing
-    if options.ranks > rows:
-        raise InputError(f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {rows} rows")
+    refuse_more_ranks(options, problem.rows.existing)
     head = _head(options, problem.name, directory, [], None)
     script = _deck_job(options, head, [f"again=({options.of_scheduler.dependency})"])
     return {options.of_scheduler.script: f"{script}compute\n", **case_files(problem, options.of_scheduler)}
+
+
+def refuse_more_ranks(options: JobOptions, rows: int) -> None:
+    """Refuse a named number of ranks that is larger than that of rows.
+
+    Raises:
+        InputError: it is.
+    """
+    if options.ranks_per_node is not None and options.ranks > rows:
+        raise InputError(f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {rows} rows")
 
 
 def case_files(problem: Problem, scheduler: Scheduler = SLURM) -> dict[str, str]:
