@@ -11,7 +11,7 @@ from analysis.trajectory import Floats
 from lammps_inputs import Problem, laws, physics
 
 FARTHEST = 0.25
-"""Time between frames, in units of T, up to which they show the largest overlap to two per cent.
+"""Time between frames, in units of T in contacts of strength 1, up to which they show the largest overlap to 2 %.
 
 An overlap d falls by at most ``d**1.5 t**2`` in a time t from its maximum, for no contact is opposed by more than its
 own force on two beads; springs apart, which pull by little at that moment. Frames are half of this away at most.
@@ -22,7 +22,7 @@ Stiff contacts of light beads are over sooner, by the square root of ``mass / st
 def shown_by_frames(problem: Problem) -> bool:
     """Whether the frames hold neighbouring beads, closely enough in time."""
     system = problem.system
-    quicker = 1.0
+    quicker = physics.pulse_time(system)
     if not physics.one_kind(system):
         strength = max(float(np.max(laws.strength(link.law))) for link in system.contacts)
         quicker = min(1.0, math.sqrt(float(np.min(system.mass)) / strength))

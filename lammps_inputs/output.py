@@ -24,12 +24,17 @@ Recorded = Literal["all"] | tuple[Count, ...]
 """Numbers of the recorded beads of every chain, or all."""
 
 FARTHEST = 2.0
-"""Time between frames from which on a wave, which passes a bead in 2 T, is missed; until then peaks state their
-uncertainty."""
+"""Time between frames from which on a wave, which passes a bead in 2 T in contacts of strength 1, is missed; until then
+peaks state their uncertainty."""
 
 
-def too_far_apart(every: float, scale: Scale) -> str:
-    """Why no wave is found between frames so far apart, a time in units of T; empty where they are near enough.
+def too_far_apart(every: float, scale: Scale, pulse_time: float = 1.0) -> str:
+    """Why no wave is found between frames so far apart; empty where they are near enough.
+
+    Args:
+        every: time between frames, in units of T.
+        scale: units in which it is written.
+        pulse_time: factor on times of pulses, see `physics.pulse_time`.
 
     Examples:
         >>> scale = granchain.load("one-chain").problem().scale
@@ -38,9 +43,10 @@ def too_far_apart(every: float, scale: Scale) -> str:
         >>> output.too_far_apart(3.0, scale)
         'frames are 3 apart, too far to find waves between them; at most 2'
     """
-    if every <= FARTHEST * (1.0 + 1e-9):
+    farthest = FARTHEST * pulse_time
+    if every <= farthest * (1.0 + 1e-9):
         return ""
-    apart, limit = (scale.written(time, "time", ".4g") for time in (every, FARTHEST))
+    apart, limit = (scale.written(time, "time", ".4g") for time in (every, farthest))
     return f"frames are {apart} apart, too far to find waves between them; at most {limit}"
 
 

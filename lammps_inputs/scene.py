@@ -521,7 +521,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
                 "record more often or take longer steps"
             )
         if self.timestep is not None and abs(steps * self.timestep / every - 1.0) > 1e-9:
-            if why := too_far_apart(every / self.scale.time, self.scale):
+            if why := too_far_apart(every / self.scale.time, self.scale, physics.pulse_time(self.system)):
                 raise ValueError(f"output.every: {why}")  # first: a step that divides it would be no answer
             raise ValueError(
                 f"timestep: {self.timestep:g} does not divide output.every = {every:g} evenly; "
@@ -753,8 +753,8 @@ class BaseScene(ScenePart, metaclass=SceneType):
         return every, self._steps(every, self._rule() if self.timestep is None else self.timestep)
 
     def _default_every(self) -> float:
-        """Time between frames where none is named: 0.1 T, or the most whole time steps that are not longer."""
-        every, step = DEFAULT_EVERY * self.scale.time, self.timestep
+        """Time between frames where none is named: a tenth of the time of pulses, or the most steps within that."""
+        every, step = DEFAULT_EVERY * physics.pulse_time(self.system) * self.scale.time, self.timestep
         if step is None or every / step > MAX_STEPS_PER_FRAME:
             return every
         if abs(self._steps(every, step) * step / every - 1.0) <= 1e-9:
@@ -770,7 +770,8 @@ class BaseScene(ScenePart, metaclass=SceneType):
     def _rule(self) -> float:
         """The time step by the rule for an accuracy."""
         until = self.duration
-        duration = 2.0 * (self.until_bead or 0) if until is None else until / self.scale.time
+        by_bead = 2.0 * (self.until_bead or 0) * physics.pulse_time(self.system)
+        duration = by_bead if until is None else until / self.scale.time
         accuracy = self.accuracy or DEFAULT_ACCURACY
         return timestep_for(accuracy, duration, self.system, self.scheme or "verlet") * self.scale.time
 

@@ -262,8 +262,8 @@ _CLOSE = 0.1
 
 MOST_PULSES = 3
 
-_MARGIN = 2.0
-"""Time shown before and after a passage at least, in units of T."""
+_MARGIN = 0.3
+"""Time shown before and after a passage, over the time that it takes."""
 
 
 _LONGEST = 3.0
@@ -290,7 +290,7 @@ def passage(time: Floats, size: Floats, peak: float) -> tuple[float, float]:
     slowed = half[half > top]
     if len(slowed):  # else the record ends before
         high = min(high, float(time[slowed[0]]) + _LONGEST * (peak - low))
-    margin = max(_MARGIN, 0.3 * (high - low))
+    margin = _MARGIN * (high - low)
     return low - margin, high + margin
 
 

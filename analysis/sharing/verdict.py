@@ -16,7 +16,7 @@ from enum import Enum
 import numpy as np
 
 from analysis.quantity import declare, result
-from analysis.shape.exact_wave import HERTZ, solitary_wave, wave_of
+from analysis.shape.exact_wave import HERTZ, solitary_wave
 from analysis.sharing.equipartition import (
     AGREEMENT,
     Estimate,
@@ -313,22 +313,21 @@ def _by_rule(problem: Problem, last: int) -> Estimate | None:
     system = problem.system
     if not physics.open_row(system):
         return None
-    least = 0.003 if problem.chains == 2 else 0.01
+    least, kappa = 0.003 if problem.chains == 2 else 0.01, physics.kappa_of_pulses(system)
     (chain, bead, _), *more = physics.excitations(system)
     outer = not more and chain in (1, problem.chains) and along_the_way(problem, bead) == 1
     measured = (
         outer
         and physics.alike(system)
         and physics.exponent(system) == HERTZ
-        and wave_of(system).strength == 1.0
         and not physics.acted_on(system)
         and not system.dampers
         and system.holds(Fact.SONIC_VACUUM)
         and physics.gap(system) == 0.0
         and problem.chains <= RULE_CHAINS
-        and least <= physics.kappa(system) <= 2.0
+        and least <= kappa <= 2.0
     )
-    beads = 10.0 + 5.0 / physics.kappa(system) * (problem.chains / 2.0) ** 1.6
+    beads = 10.0 + 5.0 / kappa * (problem.chains / 2.0) ** 1.6
     if not measured or beads <= last:
         return None
     return Estimate(beads, max(RULE_UNSURE * beads, RULE_LEAST_UNSURE))

@@ -22,14 +22,15 @@ _RISEN = 1e-3
 """Velocity in units of V, and force in its unit at V = 1, from which a pulse has arrived."""
 
 _AFTER = 6.0
-"""Time from the last chain's peak to the end, in units of T: the wave's velocity falls to nothing within it."""
+"""Time from the last chain's peak to the end, in units of T in contacts of strength 1: the wave's velocity falls to
+nothing within it."""
 
 _SLOWEST = 10.0
 """Give up when the pulse takes this many times as long as one that keeps the kick's full speed."""
 
 
 _USUAL = 2.0
-"""Units of T that a pulse may take a bead where no trial is affordable: at that speed it has 0.05 V."""
+"""Units of T that a pulse may take a bead of strength 1 where no trial is affordable: at that speed it has 0.05 V."""
 
 _PARTS = 200
 """Blocks of frames in the longest trial, of which most need a tenth."""
@@ -80,12 +81,12 @@ def _far(scene: Scene, wall: bool) -> Gauge | None:
 
 
 def _limit(scene: Scene, wall: bool, slowness: float) -> float:
-    """Time, in units of T, in which a pulse passes the last bead that matters if a bead takes it so many units of T."""
+    """Time, in units of T, in which a pulse passes the last bead that matters; slowness: T a bead of strength 1."""
     assert scene.until_bead is not None
     last = scene.until_bead if _far(scene, wall) is None else max(scene.until_bead, scene.beads)
     ends = [*(load.end for load in scene.system.loads), *(motion.end for motion in scene.system.motions)]
     pushed = max(filter(math.isfinite, ends), default=0.0)
-    return slowness * (last + 10) * (1.0 + physics.gap(scene.system)) + pushed
+    return slowness * physics.pulse_time(scene.system) * (last + 10) * (1.0 + physics.gap(scene.system)) + pushed
 
 
 def _with_duration(scene: Scene, wall: bool) -> Scene:
@@ -95,7 +96,8 @@ def _with_duration(scene: Scene, wall: bool) -> Scene:
     system = scene.system
     gap = physics.gap(system)
     far = _far(scene, wall)
-    cadence = 0.1 / rates.front_speed(system) if physics.loaded(system) else 0.1  # sound may be faster
+    pulse_time = physics.pulse_time(system)
+    cadence = 0.1 / rates.front_speed(system) if physics.loaded(system) else 0.1 * pulse_time  # sound may be faster
     limit = _limit(scene, wall, _SLOWEST) * scene.scale.time
     beads = {scene.until_bead} if far is None else {scene.until_bead, far.bead}
     trial = _trial(scene, limit, cadence, tuple(sorted(beads)))
@@ -119,7 +121,7 @@ def _with_duration(scene: Scene, wall: bool) -> Scene:
             largest_force = np.maximum(largest_force, pressing)
             if reached.all() and released.all():
                 every = scene.resolved().output.every or 0.0
-                after = _AFTER
+                after = _AFTER * pulse_time
                 if gap > 0.0 and physics.coupled(problem.system):
                     slowest = (
                         lowest_modal_frequency(problem.chains, physics.kappa(problem.system))

@@ -1,6 +1,6 @@
 """The duration and the time step of a scene, determined and checked before anything is written or run."""
 
-from lammps_inputs import InputError, Scene
+from lammps_inputs import InputError, Scene, physics
 from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.numbers import machine_memory
 from lammps_inputs.output import too_far_apart
@@ -34,7 +34,7 @@ def refuse_unanalysable(scene: Scene, source: str = "") -> None:
         InputError: its frames are too far apart to find waves between them.
     """
     every = (scene.output.every or 0.0) / scene.scale.time
-    if why := too_far_apart(every, scene.scale):
+    if why := too_far_apart(every, scene.scale, physics.pulse_time(scene.system)):
         raise InputError(f"{f'{source}: ' if source else ''}output.every: {why}")
 
 

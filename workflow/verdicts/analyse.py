@@ -252,7 +252,7 @@ def _refuse_frames(directory: RunDirectory, shown: tuple[int, ...]) -> None:
     for bead in shown:
         if bead not in problem.rows.numbers:
             raise InputError(f"--beads: bead {bead} is not among the recorded ones")
-    if why := too_far_apart(problem.every, problem.scale):
+    if why := too_far_apart(problem.every, problem.scale, physics.pulse_time(problem.system)):
         raise InputError(f"{directory.path}: output.every: {why}")
 
 

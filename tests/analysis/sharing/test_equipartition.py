@@ -183,7 +183,7 @@ RULE = [  # 10 + 5 / kappa * (chains / 2)**1.6 beads
     ({"kick": {"bead": 2, "velocity": 1.0}}, None),
     ({"kick": [{"velocity": 1.0}, {"chain": 2, "velocity": 0.5}]}, None),
     ({"contact": {"exponent": 2}}, None),
-    ({"contact": {"strength": 2}}, None),
+    ({"contact": {"strength": 2}}, 10.0 + 50.0 * 2.0**0.8),
     ({"disorder": {"mass": 1e-3}}, None),
     ({"push": {"peak": 0.1, "duration": 3.0, "shape": "half-sine"}}, None),
     ({"damping": {"contact": 1e-3}}, None),

@@ -326,9 +326,10 @@ class LeadingPeaks(NamedTuple):
 
 
 def usual_timestep(problem: Problem) -> float:
-    """0.1, or less where the springs are stiff, in units of T: peaks are then right to below 1e-5 of V."""
+    """A tenth of the time of pulses, or less where springs are stiff: peaks are then right to below 1e-5 of V."""
     system = problem.system
-    step = 0.1 / math.sqrt(max(1.0, rates.modal_frequency(system) ** 2 / 2.0))
+    pulse_time = physics.pulse_time(system)
+    step = 0.1 * pulse_time / math.sqrt(max(1.0, (rates.modal_frequency(system) * pulse_time) ** 2 / 2.0))
     return step if physics.alike(system) and not physics.loaded(system) else min(step, stability_bound(system) / 8.0)
 
 

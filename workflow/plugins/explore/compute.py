@@ -3,7 +3,18 @@
 from dataclasses import dataclass
 
 from granchain import InputError, Scene
-from granchain.parts import Problem, StepHalving, Survey, engines, leading_waves, numbers, output, panels, settle
+from granchain.parts import (
+    Problem,
+    StepHalving,
+    Survey,
+    engines,
+    leading_waves,
+    numbers,
+    output,
+    panels,
+    physics,
+    settle,
+)
 from workflow.plugins.pages.downsample import Thinned, thinned
 
 MOST_SECONDS = 2.0
@@ -16,7 +27,8 @@ SECONDS_A_NUMBER = 5e-7
 """Time for a velocity of a frame to be surveyed and thinned; measured."""
 
 SLOW_PULSE = 2.0
-"""Time in which a slow pulse passes a bead, in units of T: by it the cost of a scene without duration is estimated."""
+"""Time in which a slow pulse passes a bead, in T in contacts of strength 1: by it the cost of a scene without duration
+is estimated."""
 
 
 @dataclass(frozen=True)
@@ -47,11 +59,11 @@ def computed(scene: Scene) -> ComputedScene:
         raise InputError(refusal)
     scene = scene.model_copy(update={"accuracy": None})
     if scene.until_bead is not None:
-        duration = SLOW_PULSE * scene.until_bead * scene.scale.time
+        duration = SLOW_PULSE * physics.pulse_time(scene.system) * scene.until_bead * scene.scale.time
         _refuse_slow(scene.model_copy(update={"until_bead": None, "duration": duration}).problem())
     settled, _ = settle(scene, source=scene.name, own_step=False)
     problem = settled.resolved().problem()
-    if why := output.too_far_apart(problem.every, problem.scale):
+    if why := output.too_far_apart(problem.every, problem.scale, physics.pulse_time(problem.system)):
         raise InputError(f"output.every: {why}")
     _refuse_slow(problem)
     halving = StepHalving(problem, velocity_only=True)

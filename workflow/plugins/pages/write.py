@@ -22,6 +22,7 @@ from granchain.parts import (
     file_names,
     output_directory,
     panels,
+    physics,
     provenance,
     radii,
     references,
@@ -199,7 +200,7 @@ def page_scripts(document: Any) -> tuple[CustomJS, CustomJS]:
 VIEW = "view.html"
 
 FINE = 0.5
-"""Time between frames up to which a pulse is followed closely, in units of T."""
+"""Time between frames up to which a pulse is followed closely, in units of T in contacts of strength 1."""
 
 
 def write(directory: Path) -> Path:
@@ -306,8 +307,9 @@ def _left_out(problem: Problem, part: Thinned) -> list[str]:
             " displacement, overlap, force and energy are those at its time."
         )
     forces = ["overlaps", "forces"] if np.any(np.isfinite(part.force)) else []
-    unknown = [*(["velocities"] if problem.every > FINE else []), *forces]
-    if apart > FINE and unknown:
+    fine = FINE * physics.pulse_time(problem.system)
+    unknown = [*(["velocities"] if problem.every > fine else []), *forces]
+    if apart > fine and unknown:
         *others, last = unknown
         names = f"{', '.join(others)} and {last}" if others else last
         lines.append(

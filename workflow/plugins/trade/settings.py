@@ -261,10 +261,12 @@ def make_truth(problem: Problem, directory: Path, *, seconds: float) -> Truth:
 # --- frames -----------------------------------------------------------------------------------------------------------
 
 NEAR = 0.025
-"""Time between frames, in units of T, at which errors of passages are below 1e-9 T and 1e-9 V, and are neglected."""
+"""Time between frames, in T in contacts of strength 1, at which errors of passages are below 1e-9 T and 1e-9 V, and are
+neglected.
+"""
 
 FARTHEST = 2.0
-"""Time between frames, in units of T, from which on a wave passes a bead between two frames."""
+"""Time between frames, in T in contacts of strength 1, from which on a wave passes a bead between two frames."""
 
 
 @quantity.result
@@ -279,10 +281,11 @@ class Interval:
 
 def intervals(problem: Problem) -> list[Interval]:
     """Errors of amplitudes (V) and arrivals (T) read from other frames than the scene's, and the size of all frames."""
-    halvings = max(1, math.ceil(math.log2(problem.every / NEAR)))
+    pulse_time = physics.pulse_time(problem.system)
+    halvings = max(1, math.ceil(math.log2(problem.every / (NEAR * pulse_time))))
     step = problem.every / 2**halvings
     fine = replace(problem, timestep=step, steps_per_frame=1, frames=problem.frames * 2**halvings)
-    coarsest_power = min(math.log2(FARTHEST / step), math.log2(fine.frames / LEAST_FRAMES))
+    coarsest_power = min(math.log2(FARTHEST * pulse_time / step), math.log2(fine.frames / LEAST_FRAMES))
     seldom = [fine.coarser(2**power) for power in range(1 + max(0, math.floor(coarsest_power)))]
     exact, *others = _passages(fine, seldom)
     return [_interval(sampled, read, exact) for sampled, read in zip(seldom[1:], others, strict=True)][::-1]
