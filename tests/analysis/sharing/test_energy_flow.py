@@ -48,6 +48,7 @@ def test_the_least_and_most_that_a_chain_has_are_told_with_their_times():
     flow = Flow(time, np.stack([share, 1.0 - share], axis=1), *(np.zeros(4),) * 3)
     assert flow.extremes(0) == ((0.2, 2.0), (0.7, 1.0))
     assert flow.extremes(1) == ((pytest.approx(0.3), 1.0), (0.8, 2.0))
+    assert Flow(time[:2], flow.share[:2], *(np.zeros(2),) * 3).extremes(0) == ((0.7, 1.0), (0.7, 1.0))
 
 
 @pytest.mark.slow

@@ -262,6 +262,22 @@ def test_the_uncertainties_of_a_fitted_decay_are_the_scatter_of_fits_to_noise():
         assert stated == pytest.approx(scatter, rel=0.105), name
 
 
+def test_the_uncertainties_of_a_fitted_decay_hold_the_errors_of_amplitudes_of_either_sign():
+    """An exact decay has no scatter: they are the sums of what each amplitude changes by its error."""
+    bead, error = np.arange(2, 60), 1e-5
+    first = SINGLE_CHAIN * (1.0 - (bead - 1) / 125.0) ** 2.5
+
+    def fitted(amplitude):
+        both = np.stack([amplitude, 1e-6 + 0.0 * bead], axis=1)
+        shared = Sharing(0, bead, np.zeros((58, 2)), both, 0.5, amplitude_error=np.full((58, 2), error))
+        return fit_decay(shared, problem(2, 0.002))
+
+    exact, moved = fitted(first), [fitted(first + error * row) for row in np.eye(58)]
+    for name in ("n_star", "v0"):
+        most = sum(abs(getattr(fit, name) - getattr(exact, name)) for fit in moved)
+        assert getattr(exact, f"{name}_error") == pytest.approx(most, rel=1e-3), name
+
+
 def of_one_chain(amplitude, last=101) -> Sharing:
     bead = np.arange(2, last + 1)
     return Sharing(0, bead, np.zeros((len(bead), 1)), amplitude(bead)[:, np.newaxis], 0.5)

@@ -72,6 +72,12 @@ def test_beads_that_overlap_at_no_frame_but_between_are_in_contact():
     assert np.all(np.array(found) == 1)
 
 
+def test_contacts_one_after_the_other_each_between_two_frames_are_all_seen():
+    # bead 2 is struck from 5.48 to 7.92, and strikes bead 3 from 12.18 to 14.62; frames are 4 T apart
+    found = hertz(beads=3, every=4.0, gap=5.48, duration=24.0)
+    assert found.contacts.tolist() == [[1, 1]]
+
+
 def test_the_impulses_of_a_row_are_the_momentum_that_the_beads_ahead_gain():
     found = hertz(chains=3, beads=20, kappa=0.3, gap=0.4, duration=40.0)
     assert 0.0 < found.imbalance < 10 * ERROR  # which add up over the contacts of three chains

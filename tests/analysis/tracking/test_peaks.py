@@ -9,7 +9,7 @@ import pytest
 from scipy.interpolate import BPoly
 from synthetic_waves import of_keys, problem, reference, surveyed
 
-from analysis.tracking.kinks import DOUBT, MARGIN, unfollowed
+from analysis.tracking.kinks import DOUBT, MARGIN, kinks, unfollowed
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import PeakMeter, Peaks, find_peaks, sharp
 from analysis.trajectory import Trajectory
@@ -308,6 +308,22 @@ def test_a_force_that_begins_between_two_frames_begins_after_the_first_however_f
     near, far = unfollowed(1.5, np.array([1.5, 1.9]), np.array([True, True])).T
     assert np.array_equal(near, far)
     assert np.all(near > 0.0)
+
+
+def test_bounds_by_forces_that_begin_between_frames_are_those_of_the_mirror_image():
+    kinds = {"heavy": {"mass": 1.0}, "light": {"mass": 0.4}, "medium": {"mass": 0.7}}
+    damped = {"damping": {"contact": 0.1}, "duration": 8.0, "output": {"every": 0.5}}
+    run, other = (
+        engine.run(of_keys(chains=1, beads=12, kinds=kinds, **damped, pattern=pattern, kick=kick))
+        for pattern, kick in (
+            (["heavy", "light", "medium"], {"velocity": 1.0}),
+            (["medium", "light", "heavy"], {"bead": 12, "velocity": -1.0}),
+        )
+    )
+    start, bead = (each.ravel() for each in np.indices((run.frames - 1, 12)))
+    bounds, mirrored = (kinks(each, start, 0 * bead, at) for each, at in ((run, bead), (other, 11 - bead)))
+    assert np.count_nonzero(bounds > 1e-6) > 100
+    np.testing.assert_allclose(mirrored, bounds, rtol=1e-6, atol=1e-12)
 
 
 @pytest.mark.parametrize("sign", [1, -1])

@@ -30,7 +30,7 @@ HELD = {"slurm": ("--hold", "scontrol release"), "sge": ("-h", "qrls")}
 SHORT = scene(chains=3, beads=31, kappa=0.1, duration=60.0, every=0.5)
 ENDLESS = scene(chains=2, beads=60, kappa=0.1, duration=1e6, every=2.0)
 DIVERSE = {
-    **{"name": "test", "chains": 3, "beads": 20, "duration": 1000.0, "timestep": 0.005, "output": {"every": 2.0}},
+    **{"name": "test", "chains": 3, "beads": 20, "duration": 1000.0, "timestep": 0.005, "output": {"every": 1.25}},
     "kinds": {"heavy": {"mass": 1}, "light": {"mass": 0.5, "stiffness": 2.0}},  # LAMMPS's style `granular`
     "pattern": ["heavy", "light"],
     "coupling": {"stiffness": 0.1, "cubic": 0.02, "topology": "ring"},

@@ -13,7 +13,9 @@ from analysis.gauges.channels import read, read_at
 from analysis.gauges.gauge import gauges
 from lammps_inputs import physics
 from workflow.engines.reference import engine
+from workflow.measures import forces
 from workflow.measures.forces.force_meter import ForceMeter
+from workflow.measures.forces.measurement import ForceMeasurement
 
 
 def walled(**changes):
@@ -119,6 +121,14 @@ def test_the_bulk_force_is_the_solitary_waves():
     assert readings.largest[0, 1] == pytest.approx(0.63955, abs=5e-6)
 
 
+def test_a_wall_is_read_where_it_is_asked_for(found):
+    places = [
+        [gauge.name for gauge in forces.read(found.blocks(), found.problem, contacts=(3,), **asked).gauges]
+        for asked in ({}, {"wall": True})
+    ]
+    assert places == [["contact 3"], ["right wall", "contact 3"]]
+
+
 def test_the_largest_force_does_not_depend_on_where_frames_fall(found):
     fine = readings_of(found).largest[0, 0]
     for start in (0, 1, 2):
@@ -179,6 +189,10 @@ def test_a_dwell_is_so_far_where_the_record_ends_inside_the_pulse(until, last, m
     begins = 3.0 + 6.0 / np.pi * math.asin(0.1 * math.sqrt(most))
     assert readings.dwell[0, 0] == pytest.approx(until - begins, abs=1e-3)
     assert readings.last[0, 0] == pytest.approx(last, abs=0.01)
+    lines = ForceMeasurement(
+        walled(precompression={"force": 0.5}), readings.entries({"right": (None,)}), readings
+    ).lines()
+    assert any(f"the record ends (t = {until:g}) inside a pulse" in line for line in lines if isinstance(line, str))
 
 
 def test_a_force_that_never_exceeds_the_static_one_has_no_largest_dynamic_value():

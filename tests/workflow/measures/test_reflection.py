@@ -57,6 +57,15 @@ def test_the_uncertainty_holds_the_error_of_the_velocities():
     assert found.uncertainty == pytest.approx(0.5 * math.hypot(1e-3, 2e-3), rel=1e-6)
 
 
+@pytest.mark.parametrize(("beads", "known"), [(9, False), (10, True)])
+def test_a_ratio_is_of_ten_beads_of_the_incident_pulse_at_least(beads, known):
+    there, back = there_and_back(lambda _: 1.0, lambda _: 0.9)
+    seen = there.bead > BEADS - 5 - beads  # the nearest five beads are not of the formed wave
+    few = pulse(1, 1, there.bead[seen], 30.0 - 4.0 - beads, lambda _: 1.0)
+    found = reflections((few, back), PLAIN, right=True)[0]
+    assert (found is not None) == known
+
+
 LOADED = {
     "chains": 2,
     "beads": BEADS,
