@@ -157,6 +157,16 @@ def test_of_a_long_run_every_so_manieth_frame_and_the_last_count_wherever_blocks
     assert "cut short" not in draw(BudgetMeasurement(problem, account).sheet()).get_suptitle()
 
 
+def test_the_axis_of_the_budget_holds_energy_that_a_drive_takes_up_first():
+    problem = of_keys(**PLAIN)
+    account = account_of(problem, lambda t: (0.0 * t, 0.0 * t))
+    taken = replace(account, energy_input=account.energy_input - 1.0)
+    ((panel,),) = BudgetMeasurement(problem, taken).sheet().rows
+    low, high = panel.y.ends
+    beyond = np.array([low, high]) / [np.min(panel.curves[0].y), np.max(panel.curves[0].y)]
+    assert np.all((beyond > 1.0) & (beyond < 1.1))
+
+
 @pytest.mark.parametrize("si", [False, True])
 def test_the_sentence_is_in_the_scenes_units_and_names_the_largest_part_first(si):
     scale = make_scale(2.0, 3.0, 0.1, si=si)
