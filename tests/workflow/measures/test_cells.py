@@ -45,6 +45,24 @@ def test_a_pulse_that_passes_no_whole_cell_carries_what_it_has_at_the_last_bead_
     assert np.isnan([found.per_cell, found.rate, found.per_cell_error, found.rate_error]).all()
 
 
+@pytest.mark.parametrize(
+    ("changes", "measured"),
+    [
+        ({}, True),
+        ({"precompression": {"force": 0.01}}, False),
+        ({"contact": {"exponent": 1.0}}, False),
+        ({"pattern": ["heavy"]}, False),
+        ({"output": {"beads": [1, 2]}}, False),
+    ],
+    ids=["dimer", "sound", "no pulse", "alike", "two beads recorded"],
+)
+def test_cells_are_measured_where_a_pulse_runs_through_unlike_beads_that_are_all_recorded(changes, measured):
+    dimer = {"chains": 1, "beads": 20, "kick": {"velocity": 1.0}, "pattern": ["heavy", "light"], "duration": 9.0}
+    kinds = {"heavy": {"mass": 1.0}, "light": {"mass": 0.6}}
+    scene = library.from_plain({"name": "a", **dimer, "kinds": kinds, **changes}, "a")
+    assert (CellMeasurement.meter(Recorded(scene, scene.problem())) is not None) == measured
+
+
 def test_the_last_bead_has_a_largest_energy_once_the_pulse_has_come_there(dimer):
     """The kick gives 0.5, and that bead has the mass 0.3428; 40 T after it the pulse is at bead 39."""
     there, before = (
