@@ -16,7 +16,8 @@ from analysis.shape.exact_wave import solitary_wave, wave_of
 from analysis.shape.long_waves import sound_speed
 from analysis.shape.waveforms import REACH, Passages, WaveformMeter
 from analysis.sharing.is_solitary import Tolerances, characterise
-from analysis.sharing.survey import survey
+from analysis.sharing.survey import numbered, survey
+from analysis.sharing.verdict import EquipartitionState, Verdict
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Trajectory
 from lammps_inputs import Kick
@@ -215,6 +216,17 @@ def test_a_run_towards_bead_1_is_read_as_the_mirror_image_of_one_away_from_it(na
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8)
     assert down.verdict.sentence.removesuffix(" (beads are counted along the pulse's way, from the last bead)") == (
         up.verdict.sentence
+    )
+
+
+@pytest.mark.parametrize(
+    ("direction", "sentence", "counted"),
+    [(-1, "agree from bead 12 on", True), (1, "agree from bead 12 on", False), (-1, "no kick", False)],
+)
+def test_a_sentence_on_beads_says_how_it_counts_them_where_that_is_not_by_their_numbers(direction, sentence, counted):
+    verdict = Verdict(EquipartitionState.BEATING, sentence)
+    assert numbered(verdict, direction).sentence == sentence + counted * (
+        " (beads are counted along the pulse's way, from the last bead)"
     )
 
 

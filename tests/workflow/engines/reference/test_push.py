@@ -14,6 +14,7 @@ from lammps_inputs.loads import Load
 from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
 from workflow.engines.reference.engine import passages
+from workflow.engines.reference.kernel_inputs import make_terms
 from workflow.engines.reference.schemes import VERLET
 
 
@@ -82,6 +83,14 @@ def test_frames_are_the_same_bit_for_bit_however_many_steps_a_call_takes(steps_a
     parts = engine.run(one, steps_per_frame=7)
     for name in ("displacement", "velocity", "exchange"):
         np.testing.assert_array_equal(getattr(parts, name), getattr(whole, name))
+
+
+@pytest.mark.parametrize(
+    ("push", "as_lammps", "counts"), [(True, False, True), (True, True, False), (False, False, False)]
+)
+def test_work_is_counted_by_the_reference_where_a_force_does_any(push, as_lammps, counts):
+    one = pushed(Load(1, 1, half_sine(0.5, 3.0))) if push else problem()
+    assert make_terms(one.system, as_lammps=as_lammps, step=one.timestep)[0].counts_work == counts
 
 
 @pytest.mark.slow
