@@ -1,4 +1,5 @@
 import math
+import pickle
 
 import pytest
 from hypothesis import given, settings
@@ -61,3 +62,11 @@ def test_a_scene_of_wrong_keys_or_values_in_python_is_refused_in_one_line(parts,
         scene(**parts)
     assert str(refused.value).startswith(message)
     assert "\n" not in str(refused.value)
+
+
+def test_a_stored_scene_comes_back_with_its_problem_and_without_what_was_built_of_it():
+    scene = library.find("two-chains")
+    problem, stored = scene.problem(), pickle.dumps(scene)
+    assert b"Hertz" not in stored
+    assert pickle.loads(stored) == scene == Scene(**dict(scene))
+    assert pickle.loads(stored).problem() == problem

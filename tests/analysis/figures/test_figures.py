@@ -13,6 +13,7 @@ from stock_lammps import scene
 from synthetic_waves import of_keys
 
 from analysis.compare.difference import Deviation, ErrorMap
+from analysis.figures import averages
 from analysis.figures.drawing import draw
 from analysis.figures.errors import residual_figure, validation_figure
 from analysis.figures.panels import (
@@ -286,3 +287,24 @@ def test_titles_tell_chains_coupling_gap_load_and_v(golden):
     titles = [title(of_keys(**{"beads": 20, "kick": kick, "duration": 5.0, **one})) for one in scenes]
     of_panels = [time_title("arrival", time, AxisUnit(1.0, "reduced")) for time in (21.0, 124.0, 1397.2)]  # four digits
     golden("titles", "\n".join([*titles, *of_panels]))
+
+
+def test_what_lies_between_bands_is_shaded():
+    x = np.array([1.0, 5.0, 9.0])
+    bands = np.array([[6.0, 7.0], [0.0, 3.0], [2.0, 4.0]])
+    axis = swept_figure(StudyAxis(Label("y"), x), StudyAxis(Label("x"), x), None, "", bands).axes[0]
+    first, last = axis.get_xlim()
+    shaded = [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in axis.patches]
+    np.testing.assert_allclose(shaded, [(4.0, 6.0), (7.0, last)])
+    assert first < 1.0 < 9.0 < last
+
+
+@pytest.mark.parametrize(("period", "largest"), [(2.7, 0.01), (40.0, 0.8)])
+def test_oscillations_that_instants_do_not_resolve_are_drawn_as_means(period, largest):
+    time = np.arange(400.0)
+    values = 0.5 + 0.4 * np.sin(2.0 * np.pi * time / period)
+    width = averages.oscillations_to_average(values, 1.0)
+    assert np.ptp(averages.moving_mean(values, width)[50:350]) == pytest.approx(largest, abs=0.01)
+    undefined = np.where(time == 200.0, np.nan, 0.5)
+    assert np.nanmean(averages.moving_mean(undefined, width)) == pytest.approx(0.5, rel=1e-12)
+    assert averages.half_width(time, width) == 0.5 * width

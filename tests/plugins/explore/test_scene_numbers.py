@@ -2,12 +2,14 @@
 
 import time
 
+import numpy as np
 import pytest
 
 import granchain
 from lammps_inputs import InputError
 from lammps_inputs.installed_scenes import installed
 from workflow.plugins.explore.compute import computed
+from workflow.plugins.explore.picture import Picture
 from workflow.plugins.explore.scene_numbers import numbers_of, read, slider_range, written
 from workflow.sweep import fields
 
@@ -63,3 +65,24 @@ def test_what_cannot_be_computed_at_once_is_refused_before_it_is_tried(changes, 
     with pytest.raises(InputError, match=says):
         computed(scene)
     assert time.perf_counter() - started < 30.0  # days of work were asked for
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("changes", "renewed"),
+    [
+        ({"coupling.stiffness": 0.11}, True),
+        ({"duration": 25.0}, True),
+        ({"chains": 3}, False),
+        ({"beads": 21}, False),
+        ({"kick.velocity": 3.0}, False),
+    ],
+    ids=str,
+)
+def test_a_picture_shows_another_result_of_the_same_chains_and_beads_in_the_same_plots(changes, renewed):
+    picture, result = Picture(computed(granchain.load(SCENE))), computed(granchain.load(SCENE, changes))
+    assert picture.renew(result) is renewed
+    if renewed:
+        peaks = picture.root.select_one({"name": "peaks"}).renderers[1].data_source.data["y"]
+        waves = result.survey.waves.of_chain(2)
+        np.testing.assert_array_equal(peaks[waves.bead - 1], waves.peak_velocity)

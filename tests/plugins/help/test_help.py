@@ -95,6 +95,19 @@ def test_help_explains_keys_phrases_results_sections_of_the_model_and_terms_of_v
     golden("phrases", "\n".join(f"{words}\n{said(capsys, 'help', *words.split())}" for words in asked))
 
 
+def test_a_phrase_is_shown_in_every_explanation_that_holds_it(capsys):
+    lines = said(capsys, "help", "half", "of").splitlines()
+    assert lines[0] == "half of"
+    names = [line.strip().removesuffix(":") for line in lines if line.startswith("  ") and line.endswith(":")]
+    assert {"passage time", "beat length", "walls"} <= set(names)
+    more = " ".join(said(capsys, "help", "of", "the").split()).partition("also in the explanations of ")[2]
+    assert len(more.split(", ")) > 3
+
+
+def test_help_without_a_word_prints_what_the_program_alone_does(capsys):
+    assert said(capsys, "help") == said(capsys)
+
+
 @pytest.mark.parametrize("name", QUANTITIES)
 def test_help_says_where_a_quantity_stands(name, capsys):
     lines = said(capsys, "help", name).splitlines()
