@@ -68,6 +68,12 @@ def test_the_energy_of_one_contact_and_one_spring_is_their_sum():
     )
 
 
+def test_in_a_ring_the_last_force_is_that_of_the_contact_that_closes_it():
+    closed = scene(chains=1, beads=6, periodic=True).problem().system
+    overlap = np.arange(6.0)[np.newaxis]
+    np.testing.assert_allclose(motion.contact_force(closed, overlap), overlap**1.5, rtol=1e-15)
+
+
 def test_the_participation_number_is_one_over_the_sum_of_squared_shares_of_the_beads_energies():
     assert motion.participation(np.array([[0.0, 2.0, 2.0], [2.0, 0.0, 2.0]])) == pytest.approx(4.0, rel=1e-14)
     assert motion.participation(np.array([3.0, 1.0])) == pytest.approx(1.6, rel=1e-14)

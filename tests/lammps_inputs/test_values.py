@@ -44,6 +44,15 @@ def test_random_contacts_draw_the_numbers_that_the_manual_says(seed):
     assert np.isnan(listed[:, -1]).all()
 
 
+def test_the_contact_that_closes_a_ring_is_listed_behind_its_last_bead():
+    kinds = {"big": {}, "small": {"mass": 0.5, "stiffness": 2.0}}
+    listed = table(periodic=True, kinds=kinds, pattern=["big", "big", "small"])
+    strength = listed["contacts.strength"][0]
+    assert np.isfinite(strength).all()
+    # of beads 11 and 12, and of bead 12 and bead 1: both between a small and a big one
+    assert strength[-1] == strength[-2] != strength[0] == 1.0
+
+
 def test_ramps_of_springs_and_contacts_are_listed_in_the_scene_s_units():
     ramp = {"from": 1e3, "to": 4e3, "rows": [3, 9]}
     listed = table(
