@@ -13,7 +13,7 @@ from stock_lammps import scene
 from synthetic_waves import of_keys
 
 from analysis.compare.difference import Deviation, ErrorMap
-from analysis.figures import averages
+from analysis.figures import averages, spacetime
 from analysis.figures.drawing import draw
 from analysis.figures.errors import residual_figure, validation_figure
 from analysis.figures.panels import (
@@ -308,3 +308,19 @@ def test_oscillations_that_instants_do_not_resolve_are_drawn_as_means(period, la
     undefined = np.where(time == 200.0, np.nan, 0.5)
     assert np.nanmean(averages.moving_mean(undefined, width)) == pytest.approx(0.5, rel=1e-12)
     assert averages.half_width(time, width) == 0.5 * width
+
+
+def test_a_map_shows_the_beads_that_move_and_as_many_around_or_all():
+    velocity, beads = np.zeros((3, 1, 100)), np.arange(1, 101)
+    velocity[1, 0, [39, 48]] = 1.0
+    scale = spacetime.RootScale(1.0)
+    assert scale.moving_part(velocity, beads, (0.5, 100.5)) == (34.5, 54.5)
+    velocity[2, 0, 95] = 1.0
+    assert scale.moving_part(velocity, beads, (0.5, 100.5)) == (0.5, 100.5)
+
+
+def test_maps_of_a_lattice_stand_as_its_chains_do():
+    lattice = {"chains": 6, "beads": 9, "coupling": {"stiffness": 0.1, "topology": {"lattice": [3, 2]}}}
+    problem = of_keys(**lattice, kick={"velocity": 1.0}, duration=4.0)
+    assert spacetime.panels(problem, 6) == spacetime.grid(problem) == (3, 2)
+    assert spacetime.panels(problem, 3) == (1, 3)

@@ -16,6 +16,7 @@ from workflow.engines.reference import engine
 from workflow.measures import forces
 from workflow.measures.forces.force_meter import ForceMeter
 from workflow.measures.forces.measurement import ForceMeasurement
+from workflow.measures.forces.reflection import Reflection
 
 
 def walled(**changes):
@@ -193,6 +194,14 @@ def test_a_dwell_is_so_far_where_the_record_ends_inside_the_pulse(until, last, m
         walled(precompression={"force": 0.5}), readings.entries({"right": (None,)}), readings
     ).lines()
     assert any(f"the record ends (t = {until:g}) inside a pulse" in line for line in lines if isinstance(line, str))
+
+
+def test_what_a_wall_reflects_is_told_with_its_uncertainty_and_the_beads_where_it_was_measured():
+    readings, reflection = pressed_by(0.2), Reflection(0.9, 2e-3, (46, 55), (48, 39))
+    entries = readings.entries({"right": (reflection,)})
+    lines = ForceMeasurement(walled(precompression={"force": 0.5}), entries, readings).lines()
+    told = "right wall reflects the first pulse with 0.9000 +- 0.002 of its peak velocity (incident: beads 46 to 55"
+    assert any(f"{told}, reflected: 48 to 39," in line for line in lines if isinstance(line, str))
 
 
 def test_a_force_that_never_exceeds_the_static_one_has_no_largest_dynamic_value():
