@@ -86,3 +86,12 @@ def test_a_picture_shows_another_result_of_the_same_chains_and_beads_in_the_same
         peaks = picture.root.select_one({"name": "peaks"}).renderers[1].data_source.data["y"]
         waves = result.survey.waves.of_chain(2)
         np.testing.assert_array_equal(peaks[waves.bead - 1], waves.peak_velocity)
+
+
+def test_each_of_several_kicks_has_its_numbers():
+    kicks = [{"bead": 1, "velocity": 1.0}, {"bead": 9, "velocity": -0.3}]
+    scene = granchain.load(SCENE | {"kick": kicks}).plain()
+    found = {number.name: number for number in numbers_of(scene)}
+    assert (found["kick[1].velocity"].value, found["kick[2].velocity"].value) == (1.0, -0.3)
+    changed = granchain.load(fields.put(scene, found["kick[2].velocity"].path, -0.5))
+    assert [kick.velocity for kick in changed.kicks] == [1.0, -0.5]
