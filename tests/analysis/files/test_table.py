@@ -108,6 +108,9 @@ def columns_of(**changes):
 
 WRONG_ARRAYS = {
     "pickled": (columns_of(velocity=np.array([None, {}, 1])), "not an npz of plain numbers"),
+    "other lengths": (columns_of(velocity=np.ones(4)), "different lengths"),
+    "empty": (columns_of(velocity=np.ones(0)), "'velocity' is empty"),
+    "too few chains": (grid_of(chain=np.array([1])), "do not number"),
     "grids of two shapes": (grid_of(displacement=np.ones((3, 2, 5))), "do not fit together"),
     "times that go back": (grid_of(time=np.array([0.0, 2.0, 1.0])), "not ascending"),
     "a chain twice": (grid_of(chain=np.array([1, 1])), "named twice"),
@@ -147,3 +150,11 @@ def test_a_damaged_npz_is_read_or_refused(path, data):
 def test_any_bytes_and_any_text_after_a_header_are_read_or_refused(path, head, content):
     path.write_bytes(head + (content if isinstance(content, bytes) else content.encode(errors="surrogatepass")))
     read_or_refused(path)
+
+
+def test_an_npz_that_unpacks_to_more_than_is_read_here_is_refused_before_it_does(tmp_path, monkeypatch):
+    path = tmp_path / "bomb.npz"
+    np.savez_compressed(path, time=np.zeros(10**6))
+    monkeypatch.setattr(table, "MAX_BYTES", 10**6)
+    with pytest.raises(InputError, match=r"bomb.npz: unpacks to 0.008 GB; at most 0.001 GB are read here"):
+        table.load(path)
