@@ -8,6 +8,7 @@ from plain_scene import scene
 from wrong_runs import causes
 
 from analysis.compare.common_times import at_times
+from analysis.trajectory import Trajectory
 from workflow.engines.reference import engine
 from workflow.prepare.pilot import TABLES
 from workflow.verdicts.diagnose import diagnose
@@ -95,3 +96,17 @@ def test_a_time_step_that_is_too_long_is_named_with_its_size(right, every, steps
     shown = replace(engine.run(coarse, scheme=TABLES["verlet"], steps_per_frame=steps), problem=problem)
     (cause,) = diagnose(shown, engine.run(problem)).causes
     assert cause.startswith(f"the time step of {every / steps:.4g} is too long: the scheme verlet")
+
+
+@pytest.mark.parametrize(("first", "side"), [(1, "earlier"), (-1, "later")])
+def test_frames_that_are_shown_earlier_or_later_than_they_are_are_named_with_the_time(first, side):
+    """Every fifth of frames 0.02 T apart; those shown are 0.02 T after or before those of their times."""
+    fine = engine.run(scene(beads=20, duration=18.0, output={"every": 0.02}).problem())
+    reference = Trajectory(fine.problem.coarser(5), fine.time[5:-5:5], fine.displacement[5:-5:5], fine.velocity[5:-5:5])
+    shifted = slice(5 + first, fine.frames - 5 + first, 5)
+    shown = replace(reference, displacement=fine.displacement[shifted], velocity=fine.velocity[shifted])
+    (cause,) = diagnose(shown, reference).causes
+    assert cause.startswith("all frames are shown ")
+    assert cause.endswith(f" {side} than they are")
+    value, bound = the_number(cause)
+    assert abs(value - 0.02) <= bound < 0.002
