@@ -149,6 +149,17 @@ def test_a_continuation_killed_before_its_first_frame_is_passed_over(serial: Pat
         whole(TWO.problem(), tmp_path / "2.bin")
 
 
+def test_a_column_that_is_not_there_a_missing_file_and_a_directory_are_refused_by_name(tmp_path: Path) -> None:
+    path = tmp_path / "own.bin"
+    path.write_bytes(frame(0, [rows(1, 2)]))
+    with pytest.raises(InputError, match=r"own\.bin: has no column 'y'; it has id x vx"):
+        BinaryDump(path).read(columns=("x", "y"))
+    with pytest.raises(InputError, match=r"no\.bin: no such file"):
+        BinaryDump(tmp_path / "no.bin")
+    with pytest.raises(InputError, match="is a directory, not a file"):
+        BinaryDump(tmp_path)
+
+
 @pytest.mark.parametrize("change", [{"beads": 13}, {"chains": 1}])
 def test_atoms_of_another_problem_are_refused(serial: Path, change: dict[str, object]) -> None:
     with pytest.raises(InputError, match="its 24 atoms are not the "):

@@ -7,6 +7,7 @@ from stock_lammps import scene
 from analysis.files.dump_layout import last_step
 from analysis.files.recording import Writer, blocks
 from analysis.trajectory import joined
+from lammps_inputs import InputError
 
 PROBLEM = scene(chains=2, beads=3, duration=2.0, every=0.1).problem()
 
@@ -52,3 +53,15 @@ def test_the_last_whole_frame_counts_of_a_file_that_ends_within_one(cut, step, t
     path.write_bytes(whole[: len(whole) - cut])
     assert last_step(path) == step
     assert last_step(tmp_path / "none") is None
+
+
+def test_steps_that_go_back_and_arrays_of_another_shape_are_refused(tmp_path):
+    (path,) = written(tmp_path, range(3))
+    path.write_bytes(path.read_bytes() * 2)
+    with pytest.raises(InputError, match=r"1\.bin: its steps go back, so it is not one run"):
+        joined(blocks([path], PROBLEM))
+    with (
+        Writer(tmp_path / "2.bin", PROBLEM) as writer,
+        pytest.raises(ValueError, match=r"array of shape \(3, 2\); \[chain, recorded bead\] is \(2, 3\)"),
+    ):
+        writer.append(0, np.zeros((3, 2)), np.zeros((2, 3)))

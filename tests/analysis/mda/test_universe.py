@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 from MDAnalysis.analysis.base import AnalysisFromFunction
 
+from analysis.files.binary_dump import Parts
 from analysis.files.dump_layout import header
 from analysis.files.recording import Writer, blocks
-from analysis.mda.formats import BinaryDumpReader, of_deck
+from analysis.mda.formats import BinaryDumpReader, ChainsParser, of_deck
 from analysis.mda.universe import topology_of, universe
 from analysis.trajectory import joined
-from lammps_inputs import Kick, Material, Output, Scene
+from lammps_inputs import InputError, Kick, Material, Output, Scene
 from lammps_inputs.decks import deck
 from lammps_inputs.library import from_plain
 
@@ -82,6 +83,27 @@ def test_displacements_in_a_window_are_those_of_the_rows_that_the_atoms_are_in(t
     (tmp_path / "window.bin").write_bytes(b"".join(frames))
     for ts in BinaryDumpReader(tmp_path / "window.bin"):
         assert ts.data["displacement"].tolist() == [0.25 * ts.frame] * 3
+
+
+def test_parts_of_other_runs_and_a_run_without_a_frame_are_refused(dumps: list[Path], tmp_path: Path) -> None:
+    other = STEEL.model_copy(update={"beads": 7}).problem()
+    with Writer(tmp_path / "other.bin", other) as writer:
+        writer.append(0, np.zeros((2, 7)), np.zeros((2, 7)))
+    with pytest.raises(InputError, match=r"other\.bin: holds other atoms or columns than .*1\.bin"):
+        Parts([dumps[1], tmp_path / "other.bin"])
+    with pytest.raises(InputError, match=r"2\.bin: is an empty file"):
+        Parts([dumps[2]])
+
+
+def test_files_that_mdanalysis_cannot_take_are_named_with_the_reason(dumps: list[Path], tmp_path: Path) -> None:
+    data = tmp_path / "mine.chains"
+    data.write_text("mine\n\nAtoms\n\n1 2 3\n")
+    with pytest.raises(ValueError, match=r"mine\.chains: its Atoms are not those of a data\.chains"):
+        ChainsParser(data).parse()
+    with pytest.raises(OSError, match=r"none\.bin: no such file"):
+        BinaryDumpReader(tmp_path / "none.bin")
+    with pytest.raises(ValueError, match=r"rest holds 2 positions; .*1\.bin has 12 atoms"):
+        BinaryDumpReader(dumps[1], rest=[1.0, 2.0])
 
 
 LIGHT = {"mass": 0.3, "stiffness": 0.2, "rows": [3, 5]}

@@ -52,3 +52,20 @@ def test_several_processes_find_what_one_does_also_of_few_frames_each_and_of_a_w
         assert len(alone.bead) > 1
         for name in COLUMNS:
             np.testing.assert_array_equal(shared[name], alone[name])
+
+
+def test_frames_unevenly_spaced_and_universes_that_do_not_fit_are_refused(
+    runs: tuple[RunDirectory, RunDirectory],
+) -> None:
+    directory, problem = runs[0].path, SCENE.problem()
+    ran = mda.Universe(directory / "data.chains", directory / "chains.dump.bin")
+    for frames in ([0, 1, 2, 5, 6, 7], [30, 20, 10, 0]):
+        with pytest.raises(ValueError, match="evenly spaced and ascending"):
+            LeadingWaves(ran, problem).run(frames=frames)
+    with pytest.raises(ValueError, match="small has 62 recorded beads"):
+        LeadingWaves(ran, SCENE.model_copy(update={"beads": 31}).problem())
+    with pytest.raises(ValueError, match=r"there is a frame of step \d+, but the problem's are \d+ steps apart"):
+        LeadingWaves(ran, SCENE.model_copy(update={"output": Output(every=7.0)}).problem()).run()
+    ran.transfer_to_memory(stop=3)
+    with pytest.raises(ValueError, match=r"ts\.data has no 'x'; .* not in memory"):
+        LeadingWaves(ran, problem)

@@ -81,6 +81,12 @@ SCENES: dict[str, dict[str, Any]] = {
         "walls": {"right": "flat"},
         "kick": [{"velocity": 1}, {"chain": 2, "bead": 3, "velocity": -0.5}],
     },
+    "ramp": {
+        "chains": 2,
+        "beads": 12,
+        "coupling": {"stiffness": {"from": 0.1, "to": 0.4, "rows": [3, 9]}},
+        "kick": {"velocity": 1},
+    },
     "loaded": {
         "beads": 10,
         "contact": {"strength": [1, 1, 1, 2, 1, 3, 1, 1, 1]},
