@@ -58,3 +58,12 @@ def test_examples_are_valid_scenes(example, tmp_path):
     base |= {"walls": {"left": "bead", "right": "bead"}} if "between walls" in example else {}
     scene = base | library.load_plain(tmp_path / "scene.yaml")
     assert library.from_plain(scene, "SCENES.md").beads
+
+
+@pytest.mark.parametrize("key", INGREDIENTS)
+def test_the_class_of_an_ingredient_tells_its_keys_and_which_are_required(key):
+    text = handbook.of_ingredient(f"{key}.any")
+    fields = INGREDIENTS[key].model_fields
+    assert [line.strip() for line in text.splitlines() if line.strip() in fields][-len(fields) :] == list(fields)
+    assert text.count("default: required") == sum(field.is_required() for field in fields.values())
+    assert handbook.of_ingredient("beads") is None
