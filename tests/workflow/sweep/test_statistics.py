@@ -10,7 +10,7 @@ from sweeps import sweep, sweep_file
 
 import granchain
 from analysis.statistics import statistics
-from lammps_inputs import library
+from lammps_inputs import InputError, library
 from workflow.cli import main
 from workflow.quantities.columns import QUANTITIES
 from workflow.quantities.evaluate import mass_of, of_scene
@@ -56,6 +56,22 @@ def test_figures_show_means_with_standard_errors_or_a_histogram_with_mean_and_me
     one = table(["disorder.seed"], [(seed, "done", value) for seed, value in enumerate([1.0, 1.0, 3.0, 7.0])])
     for name, found, fields in (("groups", seeded, ["disorder.mass"]), ("histogram", one, [])):
         golden(name, table_of(grouping.drawn(found, grouping.grouped(found, "speed", fields))))
+
+
+@pytest.mark.parametrize(
+    ("fields", "values", "says"),
+    [
+        (["gap", "beads", "chains"], [(0.1, 4, 2), (0.2, 4, 2)], "at most two fields"),
+        (["pattern"], [(["a"],), (["a", "b"],)], "pattern: is not a number in every case"),
+        (["gap", "beads"], [(0.1, beads) for beads in range(9)], "beads has 9 values; a figure has at most 8 lines"),
+    ],
+)
+def test_groups_that_cannot_be_drawn_are_refused_with_the_reason(fields, values, says):
+    undrawable = table(fields, [(*place, "done", 1.0) for place in values])
+    groups = grouping.grouped(undrawable, "speed", fields)
+    assert len(groups) == len(values)
+    with pytest.raises(InputError, match=says):
+        grouping.drawn(undrawable, groups)
 
 
 def test_the_command_and_the_function_have_statistics_of_quantities_also_at_a_bead(tmp_path, capsys):
