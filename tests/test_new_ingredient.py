@@ -50,6 +50,7 @@ OF_EVERY_SCENE = "examples_are_valid or any_value_of_any_key"
 
 KEPT = {
     "test_examples_are_valid_scenes",
+    "test_the_class_of_an_ingredient_tells_its_keys_and_which_are_required",
     "test_the_section_of_a_model_has_example_exclusions_spelling_sources_and_a_picture",
     "test_an_installed_scene_names_the_schema_and_fits_it",
     "test_every_scene_of_an_ingredient_stands_in_the_gallery",
