@@ -63,6 +63,23 @@ def assert_same(directory, whole):
     assert left == right == results(RunDirectory(directory))
 
 
+def test_the_error_is_measured_where_only_that_is_missing(tmp_path, capsys):
+    run(a_scene(duration=4.0), tmp_path, check=False)
+    assert main(["run", "--resume", str(tmp_path)]) == 0
+    assert "largest errors against the reference integrator: velocities" in capsys.readouterr().out
+    assert RunDirectory(tmp_path).job.check.velocity > 0.0
+
+
+def test_a_run_killed_before_its_deck_was_written_is_resumed(tmp_path):
+    run(a_scene(duration=4.0), tmp_path / "whole", check=False)
+    shutil.copytree(tmp_path / "whole", tmp_path / "cut")
+    for name in (file_names.DATA, file_names.DUMP):
+        (tmp_path / "cut" / name).unlink()
+    RunDirectory(tmp_path / "cut").update(outcome="running")
+    resume(tmp_path / "cut", check=False)
+    assert_same(tmp_path / "cut", tmp_path / "whole")
+
+
 def test_an_interrupted_run_goes_on_bit_for_bit_from_where_it_was_and_is_checked(cut, whole, capsys):
     step, before = cut.job.steps_done, cut.job.wall_seconds
     assert files_on_disk.step_of(cut.path / file_names.RESTART) == step
