@@ -331,7 +331,7 @@ for part in range(2):
         for k in range(low, high):
             after[k] = drag[k]
             actual[k] = v[k] + drag[k]{per_mass}
-            trial[k] = 0.5 * (place[k] + x[k])
+            trial[k] = 0.5 * (place[k] + x[k]) + 0.125 * duration * (early[k] - actual[k])
 for k in range(low, high):
     total[k] = v[k] + drag[k]{per_mass}
 ?pushed give(total, p, time + duration, -0.5 * duration, low, high)

@@ -94,6 +94,24 @@ def test_work_is_counted_by_the_reference_where_a_force_does_any(push, as_lammps
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("step_ratio", [2, 4])
+def test_what_dashpots_take_of_a_smooth_push_has_the_order_of_the_scheme(step_ratio):
+    """Contacts stay closed, so that forces are smooth; a kick fixes the total loss, a push does not."""
+    loaded = {"precompression": {"force": 0.3}, "walls": {"left": "bead", "right": "bead"}}
+    keys = {"chains": 1, "coupling": None, "beads": 8, "kick": None, "duration": 20.0, "output": {"every": 0.5}}
+    push = {"bead": 4, "peak": 0.2, "duration": 5.0, "shape": "half-sine"}
+    one = scene(**keys, **loaded, push=push, damping={"beads": 0.05, "contact": 0.05}).problem()
+
+    def taken(steps):
+        lost = ConservationMeter(one).read(list(engine.blocks(one, steps_per_frame=steps))).budget.dissipated
+        return np.array([lost["contact_damping"][-1], lost["bead_damping"][-1]])
+
+    exact = taken(128)
+    order = np.log(np.abs((taken(4) - exact) / (taken(4 * step_ratio) - exact))) / np.log(step_ratio)
+    np.testing.assert_allclose(order, 4.0, atol=0.2)
+
+
+@pytest.mark.slow
 def test_nothing_moves_that_the_push_has_not_reached():
     one = pushed(Load(1, 20, half_sine(0.8, 2.0)), chains=1, beads=40, frames=50)
     whole = engine.run(one)
